@@ -1,0 +1,248 @@
+//! Building an app from plugins and a scene, and running it to its end.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use bevy_app::{App, Plugin, PluginGroup, PluginGroupBuilder, Plugins};
+use bevy_ecs::component::Mutable;
+use bevy_ecs::prelude::*;
+use bevy_ecs::schedule::IntoScheduleConfigs;
+use bevy_ecs::system::ScheduleSystem;
+
+use crate::clock::Clock;
+use crate::error::UserError;
+use crate::kernels::{Kernel, KernelRegistry, QuinticSpline, WendlandC2};
+use crate::outputs::OutputTimes;
+use crate::particles::{
+    Acceleration, Density, DensityRate, Fluid, Mass, ParticleColumns, ParticleId, PhaseIndex, Position, Pressure,
+    ReferenceDensity, ShearRate, Velocity, Viscosity,
+};
+use crate::physics::{Divergence, DivergenceReport};
+use crate::rheology::{FlowCurve, Rheology, RheologyRegistry, apply_flow_curve};
+use crate::scene::{Document, SceneInfo, SceneSection, SectionRegistry, load_scene};
+use crate::schedule::{self, Output, Stage, Stages, Step};
+
+/// Registration points of the framework. The paper's own physics uses nothing else.
+pub trait StoreggaApp {
+    /// Lets scenes name the rheology `R`, a pure function of shear rate and pressure.
+    fn register_rheology<R: FlowCurve>(&mut self, name: &str) -> &mut Self;
+
+    /// Lets scenes name the rheology `R`, which `system` applies: it writes
+    /// [`Viscosity`] of the particles whose phase has the component `R`, may own
+    /// per-particle columns, and reads Δt from the [`Clock`].
+    fn register_rheology_system<R: Rheology, M>(
+        &mut self,
+        name: &str,
+        system: impl IntoScheduleConfigs<ScheduleSystem, M>,
+    ) -> &mut Self;
+
+    /// Lets scenes name a smoothing kernel.
+    fn register_kernel<K: Kernel + Clone>(&mut self, name: &str, kernel: K) -> &mut Self;
+
+    /// Puts systems in charge of a stage, for 2D and for 3D scenes, in the place of those that stood there.
+    fn set_stage<A, B>(
+        &mut self,
+        stage: Stage,
+        two: impl IntoScheduleConfigs<ScheduleSystem, A>,
+        three: impl IntoScheduleConfigs<ScheduleSystem, B>,
+    ) -> &mut Self;
+
+    /// Adds a system to a stage, beside the one in charge; order them with `before` and `after` if they share columns.
+    fn add_to_stage<M>(&mut self, stage: Stage, systems: impl IntoScheduleConfigs<ScheduleSystem, M>) -> &mut Self;
+
+    /// Gives scenes the section `S`.
+    fn register_scene_section<S: SceneSection>(&mut self) -> &mut Self;
+
+    /// Gives every fluid particle the column `T`, which follows its particle through re-sorting.
+    fn register_particle_column<T: Component<Mutability = Mutable> + Copy + Default>(&mut self) -> &mut Self;
+}
+
+/// Orders the systems of registered rheologies, which may all write the viscosity, by registration.
+#[derive(SystemSet, Debug, Clone, PartialEq, Eq, Hash)]
+struct RheologyOrder(usize);
+
+impl StoreggaApp for App {
+    fn register_rheology<R: FlowCurve>(&mut self, name: &str) -> &mut Self {
+        self.register_rheology_system::<R, _>(name, apply_flow_curve::<R>)
+    }
+
+    fn register_rheology_system<R: Rheology, M>(
+        &mut self,
+        name: &str,
+        system: impl IntoScheduleConfigs<ScheduleSystem, M>,
+    ) -> &mut Self {
+        let mut registry = self.world_mut().get_resource_or_init::<RheologyRegistry>();
+        registry.register::<R>(name);
+        let order = registry.len();
+        let in_use = any_with_component::<R>;
+        let system = system.in_set(RheologyOrder(order)).after(RheologyOrder(order - 1)).run_if(in_use);
+        self.add_to_stage(Stage::Rheology, system)
+    }
+
+    fn register_kernel<K: Kernel + Clone>(&mut self, name: &str, kernel: K) -> &mut Self {
+        self.world_mut().get_resource_or_init::<KernelRegistry>().register(name, kernel);
+        self
+    }
+
+    fn set_stage<A, B>(
+        &mut self,
+        stage: Stage,
+        two: impl IntoScheduleConfigs<ScheduleSystem, A>,
+        three: impl IntoScheduleConfigs<ScheduleSystem, B>,
+    ) -> &mut Self {
+        if let Some(mut stages) = self.world_mut().get_non_send_mut::<Stages>() {
+            stages.set(stage, two, three);
+        }
+        self
+    }
+
+    fn add_to_stage<M>(&mut self, stage: Stage, systems: impl IntoScheduleConfigs<ScheduleSystem, M>) -> &mut Self {
+        self.add_systems(Step, systems.in_set(stage))
+    }
+
+    fn register_scene_section<S: SceneSection>(&mut self) -> &mut Self {
+        self.world_mut().get_resource_or_init::<SectionRegistry>().register::<S>();
+        self
+    }
+
+    fn register_particle_column<T: Component<Mutability = Mutable> + Copy + Default>(&mut self) -> &mut Self {
+        let world = self.world_mut();
+        // The framework's own columns are required by the marker itself, and so is a column registered twice.
+        let _ = world.try_register_required_components::<Fluid, T>();
+        ParticleColumns::register::<T>(world);
+        self
+    }
+}
+
+/// The framework and the paper's physics.
+pub struct PaperPlugins;
+
+impl PluginGroup for PaperPlugins {
+    fn build(self) -> PluginGroupBuilder {
+        PluginGroupBuilder::start::<Self>()
+            .add(FrameworkPlugin)
+            .add(crate::neighbours::NeighboursPlugin)
+            .add(crate::physics::PhysicsPlugin)
+            .add(crate::rheology::RheologyPlugin)
+            .add(crate::phases::PhasesPlugin)
+            .add(crate::boundary::BoundaryPlugin)
+            .add(FluidsPlugin)
+    }
+}
+
+/// Schedules, clock, columns, kernels.
+struct FrameworkPlugin;
+
+impl Plugin for FrameworkPlugin {
+    fn build(&self, app: &mut App) {
+        schedule::init(app);
+        app.init_resource::<Clock>().init_resource::<OutputTimes>();
+        app.register_particle_column::<ParticleId>()
+            .register_particle_column::<PhaseIndex>()
+            .register_particle_column::<Position>()
+            .register_particle_column::<Velocity>()
+            .register_particle_column::<Acceleration>()
+            .register_particle_column::<Mass>()
+            .register_particle_column::<ReferenceDensity>()
+            .register_particle_column::<Density>()
+            .register_particle_column::<DensityRate>()
+            .register_particle_column::<Pressure>()
+            .register_particle_column::<Viscosity>()
+            .register_particle_column::<ShearRate>();
+        app.register_kernel("QuinticSpline", QuinticSpline).register_kernel("WendlandC2", WendlandC2);
+    }
+}
+
+/// Fluids of a scene; their section comes after those of phases, walls and structures, which it needs.
+struct FluidsPlugin;
+
+impl Plugin for FluidsPlugin {
+    fn build(&self, app: &mut App) {
+        app.register_scene_section::<crate::scene::FluidsSection>();
+    }
+}
+
+/// How a run ended.
+#[derive(Debug, Clone, PartialEq)]
+pub enum End {
+    /// It reached its end time.
+    Done,
+    /// It left the range of the model.
+    Diverged(DivergenceReport),
+    /// It was told to stop.
+    Interrupted,
+    /// The log could not be written.
+    LogFailed(String),
+}
+
+/// An app with `plugins`, at the start of the scene `document`: forces, walls and time step are those of t = 0.
+///
+/// # Errors
+/// What the user got wrong in the scene.
+pub fn open<M>(plugins: impl Plugins<M>, document: Document) -> Result<App, UserError> {
+    let mut app = App::new();
+    app.add_plugins(plugins);
+    app.finish();
+    load_scene(app.world_mut(), document)?;
+    // A step of no duration finds neighbours, ghosts, forces and the first time step.
+    app.world_mut().run_schedule(Step);
+    Ok(app)
+}
+
+/// What the run loop tells while it runs, and where it hears that it should stop.
+#[derive(Clone, Default)]
+pub struct StopFlag(Arc<AtomicBool>);
+
+impl StopFlag {
+    /// Asks the run to stop after the step in progress.
+    pub fn stop(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether somebody asked.
+    #[must_use]
+    pub fn is_set(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+/// Runs a world that [`open`] made until `end_time` (s), writing outputs when they are due; `watch` is called after every step.
+///
+/// Call it inside a rayon thread pool to choose the number of threads; results do not depend on it.
+pub fn run(world: &mut World, end_time: f64, stop: &StopFlag, mut watch: impl FnMut(&Clock)) -> End {
+    if let Err(end) = write_outputs(world) {
+        return end;
+    }
+    while world.resource::<Clock>().time < end_time {
+        if stop.is_set() {
+            return End::Interrupted;
+        }
+        let target = world.resource::<OutputTimes>().next().min(end_time);
+        world.resource_mut::<Clock>().begin_step(target);
+        world.run_schedule(Step);
+        watch(world.resource::<Clock>());
+        if let Some(report) = world.resource_mut::<Divergence>().0.take() {
+            return End::Diverged(report);
+        }
+        if let Err(end) = write_outputs(world) {
+            return end;
+        }
+    }
+    End::Done
+}
+
+/// Runs the output schedule if anything is due.
+fn write_outputs(world: &mut World) -> Result<(), End> {
+    let time = world.resource::<Clock>().time;
+    if world.resource_mut::<OutputTimes>().begin(time) {
+        world.run_schedule(Output);
+        world.resource_mut::<OutputTimes>().finish(time);
+    }
+    Ok(())
+}
+
+/// The end time (s) that the scene asks for.
+#[must_use]
+pub fn end_time(world: &World) -> f64 {
+    world.resource::<SceneInfo>().end_time
+}

@@ -1,0 +1,60 @@
+//! What walls and structures have in common.
+
+use bevy_ecs::prelude::*;
+use glam::DVec3;
+
+use super::Motion;
+use crate::particles::{BodyIndex, Position, RestPosition, RestVolume, Slip, Volume};
+use crate::scene::geometry::Shape;
+
+/// A wall or a structure, made of particles.
+#[derive(Component, Debug, Clone, PartialEq)]
+pub struct Body {
+    /// Name in the scene.
+    pub name: String,
+    /// Index in the order of the scene, as in [`BodyIndex`]; walls and structures are counted apart.
+    pub index: u32,
+}
+
+/// Where a body is: fluid does not fill it.
+#[derive(Component, Debug, Clone, PartialEq)]
+pub struct BodyShape {
+    /// The shape.
+    pub shape: Shape,
+    /// Whether the body is what lies inside the shape (an obstacle, a structure) or outside (a container).
+    pub solid_inside: bool,
+    /// Part of the surface that is open.
+    pub cut: Option<Shape>,
+}
+
+impl BodyShape {
+    /// Distance (m) of a position from the body: negative in it, infinite behind an opening.
+    #[must_use]
+    pub fn clearance(&self, position: DVec3) -> f64 {
+        if self.cut.as_ref().is_some_and(|cut| cut.contains(position)) {
+            return f64::INFINITY;
+        }
+        let distance = self.shape.signed_distance(position);
+        if self.solid_inside { distance } else { -distance }
+    }
+}
+
+/// Spawns a body and its particles, each marked with `M`.
+pub(super) fn spawn_body<M: Component + Default>(
+    world: &mut World,
+    body: Body,
+    shape: BodyShape,
+    motion: Motion,
+    slip: Slip,
+    particles: impl IntoIterator<Item = (DVec3, f64)>,
+) -> Entity {
+    let index = BodyIndex(body.index);
+    let bundles: Vec<_> = particles
+        .into_iter()
+        .map(|(x, volume)| {
+            (M::default(), index, slip, Position(x), RestPosition(x), RestVolume(volume), Volume(volume))
+        })
+        .collect();
+    world.spawn_batch(bundles);
+    world.spawn((body, shape, motion)).id()
+}

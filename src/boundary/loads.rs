@@ -1,0 +1,148 @@
+//! Force and moment of the fluid on structures, Eqs. 17 and 18.
+//!
+//! `F = Σ_s m_s dv_s/dt`,
+//! `m_s dv_s/dt = −Σ_f (p_s V_s² + p_f V_f²) ∇_sW_sf + Σ_f μ_f (V_s² + V_f²) (r_sf·∇_sW_sf)/r² v_sf`
+//!
+//! (Eq. 6 without g; the ghost takes the viscosity of the fluid particle that acts on it). It is minus what the
+//! structure does to the fluid. Pressures count from χ, so that a background pressure leaves no force.
+
+use bevy_ecs::prelude::*;
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::Body;
+use crate::neighbours::{Neighbours, sum_pairs};
+use crate::particles::{
+    BodyIndex, Density, Fluid, ForceOnParticle, GRAIN, Gather, Gathered, GhostVelocity, Mass, Position, Pressure, Slip,
+    Solid, Vector, Velocity, Viscosity, Volume, columns,
+};
+use crate::physics::{
+    EquationOfState, Momentum, MomentumSettings, PairTerms, PairViscosity, PressureAverage, ViscousForce, with_forms,
+};
+
+/// Marks a body as a structure, and says how its load is reported.
+#[derive(Component, Debug, Clone, Copy, PartialEq)]
+#[require(Load)]
+pub struct Structure {
+    /// Out-of-plane length (m) by which forces per metre are multiplied in 2D; 1 where the scene gives none, and in 3D.
+    pub length: f64,
+    /// Point (m) about which the moment is taken.
+    pub moment_about: DVec3,
+    /// Area (m²) in 2D or volume (m³) in 3D filled by its particles.
+    pub volume: f64,
+}
+
+/// Force (N; N/m in 2D where the scene gives no length) and moment (N m; N) of the fluid on a structure.
+#[derive(Component, Debug, Clone, Copy, Default, PartialEq)]
+pub struct Load {
+    /// Force from the pressure.
+    pub pressure_force: DVec3,
+    /// Force from the viscous stress.
+    pub viscous_force: DVec3,
+    /// Moment from the pressure.
+    pub pressure_moment: DVec3,
+    /// Moment from the viscous stress.
+    pub viscous_moment: DVec3,
+}
+
+impl Load {
+    /// Whole force.
+    #[must_use]
+    pub fn force(&self) -> DVec3 {
+        self.pressure_force + self.viscous_force
+    }
+
+    /// Whole moment.
+    #[must_use]
+    pub fn moment(&self) -> DVec3 {
+        self.pressure_moment + self.viscous_moment
+    }
+}
+
+type Solids = (
+    &'static Position,
+    &'static GhostVelocity,
+    &'static Volume,
+    &'static Density,
+    &'static Pressure,
+    &'static Slip,
+    &'static mut ForceOnParticle,
+);
+
+/// Computes the force on every solid particle.
+pub fn force_on_particles<const D: usize>(
+    settings: Res<MomentumSettings>,
+    state: Res<EquationOfState>,
+    neighbours: Res<Neighbours>,
+    mut gather: Local<Gather<D, Momentum<D>>>,
+    fluid: Query<(&Position, &Velocity, &Mass, &Density, &Pressure, &Viscosity), With<Fluid>>,
+    mut structures: Query<Solids, With<Solid>>,
+) -> Result {
+    let chi = state.background_pressure;
+    let (x, v, m, rho, p, mu): (&[Position], &[Velocity], &[Mass], &[Density], &[Pressure], &[Viscosity]) =
+        columns(&fluid);
+    for (x_s, v_s, volume, rho_s, p_s, slip, mut force) in structures.contiguous_iter_mut()? {
+        let fluid = |i: usize| Gathered {
+            position: x[i].0.into(),
+            state: Momentum {
+                velocity: v[i].0.into(),
+                volume: m[i].0 / rho[i].0,
+                density: rho[i].0,
+                pressure: p[i].0 - chi,
+                viscosity: PairViscosity::fluid(mu[i].0),
+            },
+        };
+        let solid = |s: usize| Gathered {
+            position: x_s[s].0.into(),
+            state: Momentum {
+                velocity: v_s[s].0.into(),
+                volume: volume[s].0,
+                density: rho_s[s].0,
+                pressure: p_s[s].0 - chi,
+                viscosity: PairViscosity::ghost(slip[s]),
+            },
+        };
+        // Structures list fluid only: the walls' records are never read.
+        let records = gather.fill(&neighbours.rows, fluid, |_| solid(0), solid);
+        let out = force.bypass_change_detection();
+        with_forms!(settings, sum_forces::<D>(&neighbours, records, out));
+    }
+    Ok(())
+}
+
+fn sum_forces<const D: usize, P: PressureAverage, V: ViscousForce>(
+    neighbours: &Neighbours,
+    records: &[Gathered<D, Momentum<D>>],
+    out: &mut [ForceOnParticle],
+) {
+    let first = neighbours.rows.fluid + neighbours.rows.walls;
+    out.par_iter_mut().with_min_len(GRAIN).enumerate().for_each(|(s, force)| {
+        let own = &records[first + s];
+        let (mut pressure_force, mut viscous_force) = (Vector::ZERO, Vector::ZERO);
+        sum_pairs(own, neighbours.structures.of(s), records, |other, pair| {
+            let mu_sf = own.state.viscosity.mean_with(other.viscosity.own());
+            let (pressure, viscous) = PairTerms::of::<D, P, V>(mu_sf, &own.state, other, pair);
+            pressure_force += pressure;
+            viscous_force += viscous;
+        });
+        *force = ForceOnParticle { pressure: pressure_force.into(), viscous: viscous_force.into() };
+    });
+}
+
+/// Adds up force and moment of every structure, particle by particle in their order.
+pub fn sum_loads(
+    particles: Query<(&BodyIndex, &Position, &ForceOnParticle), With<Solid>>,
+    mut structures: Query<(&Body, &Structure, &mut Load)>,
+) {
+    for (body, structure, mut load) in &mut structures {
+        let mut sum = Load::default();
+        for (_, x, force) in particles.iter().filter(|(index, ..)| index.0 == body.index) {
+            let arm = x.0 - structure.moment_about;
+            sum.pressure_force += force.pressure * structure.length;
+            sum.viscous_force += force.viscous * structure.length;
+            sum.pressure_moment += arm.cross(force.pressure) * structure.length;
+            sum.viscous_moment += arm.cross(force.viscous) * structure.length;
+        }
+        *load = sum;
+    }
+}

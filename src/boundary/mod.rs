@@ -1,0 +1,35 @@
+//! Walls and structures: bodies made of ghost particles, their motion, and the loads on structures.
+
+mod body;
+mod loads;
+mod motion;
+mod structures;
+mod walls;
+
+pub use body::{Body, BodyShape};
+pub use loads::{Load, Structure, force_on_particles, sum_loads};
+pub use motion::{Kinematics, Motion, TableRow};
+pub use structures::{StructureSpec, StructuresSection};
+pub(crate) use walls::body_shapes;
+pub use walls::{FluidSide, WallSpec, WallsSection};
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+
+use crate::app::StoreggaApp;
+use crate::schedule::Stage;
+
+/// Walls and structures of a scene.
+pub struct BoundaryPlugin;
+
+impl Plugin for BoundaryPlugin {
+    fn build(&self, app: &mut App) {
+        app.register_scene_section::<WallsSection>().register_scene_section::<StructuresSection>();
+        app.add_to_stage(Stage::Drift, motion::move_bodies.after(crate::physics::drift));
+        app.set_stage(
+            Stage::Loads,
+            (force_on_particles::<2>, sum_loads).chain(),
+            (force_on_particles::<3>, sum_loads).chain(),
+        );
+    }
+}

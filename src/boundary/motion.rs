@@ -1,0 +1,252 @@
+//! Prescribed motion of walls and structures.
+//!
+//! A point that was at x0 is at `x = c + R(θ) (x0 − c) + d`, with velocity `v_w = θ' e × (x − c − d) + d'` and
+//! acceleration `a_w = θ'' e × (x − c − d) + θ'² e × (e × (x − c − d)) + d''`; d(t) is the displacement, θ(t) the angle
+//! about the axis e through c.
+
+use bevy_ecs::prelude::*;
+use bevy_ecs::query::ArchetypeFilter;
+use glam::{DQuat, DVec3};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::Body;
+use crate::clock::Clock;
+use crate::neighbours::Neighbours;
+use crate::particles::{BodyIndex, GRAIN, Position, RestPosition, Solid, Wall, WallAcceleration, WallVelocity};
+use crate::scene::Invalid;
+use crate::scene::geometry::{Point, coordinates};
+
+/// How a body moves.
+#[derive(Component, Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Motion {
+    /// Not at all.
+    #[default]
+    Still,
+    /// With a constant velocity between two times.
+    Translation {
+        /// Velocity (m/s).
+        velocity: Point,
+        /// Start (s).
+        #[serde(default)]
+        from: f64,
+        /// End (s); `None` for never.
+        #[serde(default)]
+        until: Option<f64>,
+    },
+    /// With a constant rate about an axis.
+    Rotation {
+        /// A point of the axis (m).
+        center: Point,
+        /// Direction of the axis; in 2D always (0, 0, 1), out of the plane.
+        #[serde(default)]
+        axis: Option<Point>,
+        /// Rate (rad/s), counter-clockwise about the axis.
+        rate: f64,
+    },
+    /// Through a table of displacements and angles, joined smoothly (cubic Hermite, slopes from the neighbouring rows).
+    Table {
+        /// A point of the axis of rotation (m).
+        center: Point,
+        /// Direction of the axis; in 2D always (0, 0, 1), out of the plane.
+        #[serde(default)]
+        axis: Option<Point>,
+        /// Rows in the order of time; before the first and after the last the body rests.
+        rows: Vec<TableRow>,
+    },
+}
+
+/// One row of a tabulated motion.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TableRow {
+    /// Time (s).
+    pub time: f64,
+    /// Displacement (m).
+    pub displacement: Point,
+    /// Angle (rad).
+    #[serde(default)]
+    pub angle: f64,
+}
+
+/// Displacement and angle of a body with their first and second derivatives in time.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Kinematics {
+    /// Point c of the axis (m).
+    pub center: DVec3,
+    /// Unit vector e of the axis.
+    pub axis: DVec3,
+    /// d, d', d'' (m, m/s, m/s²).
+    pub displacement: [DVec3; 3],
+    /// θ, θ', θ'' (rad, rad/s, rad/s²).
+    pub angle: [f64; 3],
+}
+
+impl Kinematics {
+    /// Position, velocity and acceleration of the point that was at `rest` (m).
+    #[must_use]
+    pub fn of(&self, rest: DVec3) -> (DVec3, DVec3, DVec3) {
+        let [d, d1, d2] = self.displacement;
+        let [theta, rate, acceleration] = self.angle;
+        let arm = DQuat::from_axis_angle(self.axis, theta) * (rest - self.center);
+        let turn = self.axis.cross(arm);
+        (self.center + arm + d, rate * turn + d1, acceleration * turn + rate * rate * self.axis.cross(turn) + d2)
+    }
+}
+
+impl Motion {
+    /// Refuses motions that make no sense in `dimension` 2 or 3.
+    ///
+    /// # Errors
+    /// The first wrong value.
+    pub fn check(&self, dimension: usize) -> Result<(), Invalid> {
+        let axis_of = |axis: &Option<Point>| match axis {
+            Some(_) if dimension == 2 => Err(Invalid::new("axis", "in 2D the axis is (0, 0, 1): leave it out")),
+            Some(axis) if axis.position().length() == 0.0 => Err(Invalid::new("axis", "must not be the null vector")),
+            None if dimension == 3 => Err(Invalid::new("", "a rotation in 3D needs an `axis`")),
+            _ => Ok(()),
+        };
+        match self {
+            Self::Still => Ok(()),
+            Self::Translation { velocity, .. } => {
+                coordinates(*velocity, dimension).map_err(|invalid| invalid.under("velocity"))
+            }
+            Self::Rotation { center, axis, .. } => {
+                coordinates(*center, dimension).map_err(|invalid| invalid.under("center"))?;
+                axis_of(axis)
+            }
+            Self::Table { center, axis, rows } => {
+                coordinates(*center, dimension).map_err(|invalid| invalid.under("center"))?;
+                axis_of(axis)?;
+                if rows.len() < 2 {
+                    return Err(Invalid::new("rows", "a table needs at least 2 rows"));
+                }
+                match rows.windows(2).position(|pair| pair[1].time <= pair[0].time) {
+                    Some(k) => Err(Invalid::new(format!("rows.{}.time", k + 1), "times must increase from row to row")),
+                    None => Ok(()),
+                }
+            }
+        }
+    }
+
+    /// Where the body is at time t (s), or `None` if it never moves.
+    #[must_use]
+    pub fn at(&self, t: f64) -> Option<Kinematics> {
+        let unit = |axis: &Option<Point>| axis.map_or(DVec3::Z, |axis| axis.position().normalize());
+        match self {
+            Self::Still => None,
+            Self::Translation { velocity, from, until } => {
+                let end = until.unwrap_or(f64::INFINITY);
+                let travelled = (t.min(end) - from).max(0.0);
+                let moving = if (*from..end).contains(&t) { 1.0 } else { 0.0 };
+                let velocity = velocity.position();
+                let displacement = [velocity * travelled, velocity * moving, DVec3::ZERO];
+                Some(Kinematics { axis: DVec3::Z, displacement, ..Kinematics::default() })
+            }
+            Self::Rotation { center, axis, rate } => Some(Kinematics {
+                center: center.position(),
+                axis: unit(axis),
+                angle: [rate * t, *rate, 0.0],
+                ..Kinematics::default()
+            }),
+            Self::Table { center, axis, rows } => {
+                let (displacement, angle) = table_at(rows, t);
+                Some(Kinematics { center: center.position(), axis: unit(axis), displacement, angle })
+            }
+        }
+    }
+}
+
+/// Displacement and angle, each with two derivatives, of a table at time t (s).
+fn table_at(rows: &[TableRow], t: f64) -> ([DVec3; 3], [f64; 3]) {
+    let value = |k: usize| (rows[k].displacement.position(), rows[k].angle);
+    let last = rows.len() - 1;
+    if t <= rows[0].time || t >= rows[last].time {
+        let (d, angle) = value(if t <= rows[0].time { 0 } else { last });
+        return ([d, DVec3::ZERO, DVec3::ZERO], [angle, 0.0, 0.0]);
+    }
+    let k = rows.partition_point(|row| row.time <= t) - 1;
+    // Slopes vanish at both ends, where the body comes from rest and goes to rest.
+    let slope = |k: usize| {
+        if k == 0 || k == last {
+            return (DVec3::ZERO, 0.0);
+        }
+        let ((d0, a0), (d1, a1)) = (value(k - 1), value(k + 1));
+        let dt = rows[k + 1].time - rows[k - 1].time;
+        ((d1 - d0) / dt, (a1 - a0) / dt)
+    };
+    let dt = rows[k + 1].time - rows[k].time;
+    let s = (t - rows[k].time) / dt;
+    let basis = hermite(s, dt);
+    let ((d0, a0), (d1, a1), (m0, b0), (m1, b1)) = (value(k), value(k + 1), slope(k), slope(k + 1));
+    (
+        basis.map(|[p, q, u, w]| d0 * p + d1 * q + m0 * u + m1 * w),
+        basis.map(|[p, q, u, w]| a0 * p + a1 * q + b0 * u + b1 * w),
+    )
+}
+
+/// Weights of (start, end, start slope, end slope) in a cubic Hermite piece of duration dt (s) at s = 0…1, for the
+/// value and its two derivatives in time.
+fn hermite(s: f64, dt: f64) -> [[f64; 4]; 3] {
+    let (s2, s3) = (s * s, s * s * s);
+    [
+        [2.0 * s3 - 3.0 * s2 + 1.0, 3.0 * s2 - 2.0 * s3, dt * (s3 - 2.0 * s2 + s), dt * (s3 - s2)],
+        [(6.0 * s2 - 6.0 * s) / dt, (6.0 * s - 6.0 * s2) / dt, 3.0 * s2 - 4.0 * s + 1.0, 3.0 * s2 - 2.0 * s],
+        [(12.0 * s - 6.0) / (dt * dt), (6.0 - 12.0 * s) / (dt * dt), (6.0 * s - 4.0) / dt, (6.0 * s - 2.0) / dt],
+    ]
+}
+
+type Moved = (
+    &'static BodyIndex,
+    &'static RestPosition,
+    &'static mut Position,
+    &'static mut WallVelocity,
+    &'static mut WallAcceleration,
+);
+
+/// Puts the particles of every moving body where it is at the end of the step.
+pub(super) fn move_bodies(
+    clock: Res<Clock>,
+    mut neighbours: ResMut<Neighbours>,
+    bodies: Query<(&Body, &Motion, Has<super::Structure>)>,
+    mut walls: Query<Moved, With<Wall>>,
+    mut structures: Query<Moved, (With<Solid>, Without<Wall>)>,
+) -> Result {
+    let mut farthest: f64 = 0.0;
+    for (body, motion, is_structure) in &bodies {
+        let Some(kinematics) = motion.at(clock.time) else { continue };
+        let moved = if is_structure {
+            move_particles(body.index, &kinematics, &mut structures)?
+        } else {
+            move_particles(body.index, &kinematics, &mut walls)?
+        };
+        farthest = farthest.max(moved);
+    }
+    neighbours.moved(farthest);
+    Ok(())
+}
+
+/// Moves the particles of one body; the greatest distance (m) that one of them went.
+fn move_particles<F: ArchetypeFilter>(
+    body: u32,
+    kinematics: &Kinematics,
+    particles: &mut Query<Moved, F>,
+) -> Result<f64> {
+    let mut farthest: f64 = 0.0;
+    for (index, rest, mut x, mut v, mut a) in particles.contiguous_iter_mut()? {
+        let columns =
+            (index, rest, x.bypass_change_detection(), v.bypass_change_detection(), a.bypass_change_detection());
+        let distance = columns.into_par_iter().with_min_len(GRAIN).map(|(index, rest, x, v, a)| {
+            if index.0 != body {
+                return 0.0;
+            }
+            let (position, velocity, acceleration) = kinematics.of(rest.0);
+            let moved = position.distance_squared(x.0);
+            (x.0, v.0, a.0) = (position, velocity, acceleration);
+            moved
+        });
+        farthest = farthest.max(distance.reduce(|| 0.0, f64::max).sqrt());
+    }
+    Ok(farthest)
+}

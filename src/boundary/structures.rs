@@ -1,0 +1,91 @@
+//! Structures of a scene: bodies filled with solid particles, whose load is reported.
+
+use bevy_ecs::prelude::*;
+use glam::DVec3;
+use indexmap::IndexMap;
+use serde::{Deserialize, Serialize};
+
+use super::body::{Body, BodyShape, spawn_body};
+use super::{Motion, Structure};
+use crate::particles::{Slip, Solid};
+use crate::scene::geometry::{Point, Shape, coordinates, solid_particles};
+use crate::scene::{Invalid, Resolution, SceneSection, SectionError};
+
+/// Section `structures`: the structures by name.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct StructuresSection(IndexMap<String, StructureSpec>);
+
+/// A structure of a scene.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StructureSpec {
+    /// Shape of the body (m).
+    pub shape: Shape,
+    /// Whether the fluid sticks to it.
+    #[serde(default)]
+    pub slip: Slip,
+    /// How it moves.
+    #[serde(default)]
+    pub motion: Motion,
+    /// In 2D, the out-of-plane length (m) by which force and moment per metre are multiplied.
+    #[serde(default)]
+    pub length: Option<f64>,
+    /// Point (m) about which the moment is taken; `None` for the centroid of the body at rest.
+    #[serde(default)]
+    pub moment_about: Option<Point>,
+}
+
+impl SceneSection for StructuresSection {
+    const NAME: &'static str = "structures";
+
+    fn when_absent() -> Option<Self> {
+        Some(Self::default())
+    }
+
+    fn check(&self, world: &World) -> Result<(), Invalid> {
+        let dimension = world.resource::<Resolution>().dimension;
+        for (name, structure) in &self.0 {
+            structure.shape.check(dimension).map_err(|invalid| invalid.under("shape").under(name))?;
+            structure.motion.check(dimension).map_err(|invalid| invalid.under("motion").under(name))?;
+            if let Some(point) = structure.moment_about {
+                coordinates(point, dimension).map_err(|invalid| invalid.under("moment_about").under(name))?;
+            }
+            match structure.length {
+                Some(_) if dimension == 3 => {
+                    return Err(Invalid::new(format!("{name}.length"), "a length is for scenes of dimension 2"));
+                }
+                Some(length) if length <= 0.0 => {
+                    let message = format!("must be greater than 0, got {length} m");
+                    return Err(Invalid::new(format!("{name}.length"), message));
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    fn spawn(self, world: &mut World) -> Result<(), SectionError> {
+        let resolution = *world.resource::<Resolution>();
+        for (index, (name, spec)) in self.0.into_iter().enumerate() {
+            let particles = solid_particles(&spec.shape, resolution.spacing, resolution.dimension);
+            if particles.len() < 2 {
+                let message = format!("is too thin for a spacing of {} m: no particles fill it", resolution.spacing);
+                return Err(Invalid::new(format!("{name}.shape"), message).into());
+            }
+            let volume: f64 = particles.iter().map(|particle| particle.volume).sum();
+            let centroid = particles.iter().map(|particle| particle.position * particle.volume).sum::<DVec3>() / volume;
+            let structure = Structure {
+                length: spec.length.unwrap_or(1.0),
+                moment_about: spec.moment_about.map_or(centroid, Point::position),
+                volume,
+            };
+            let body = Body { name, index: index as u32 };
+            let shape = BodyShape { shape: spec.shape, solid_inside: true, cut: None };
+            let particles = particles.into_iter().map(|particle| (particle.position, particle.volume));
+            let entity = spawn_body::<Solid>(world, body, shape, spec.motion, spec.slip, particles);
+            world.entity_mut(entity).insert(structure);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,100 @@
+//! Walls of a scene: layers of ghost particles, as deep as the kernel reaches.
+
+use bevy_ecs::prelude::*;
+use indexmap::IndexMap;
+use serde::{Deserialize, Serialize};
+
+use super::body::{Body, BodyShape, spawn_body};
+use super::{Motion, Structure};
+use crate::kernels::SmoothingKernel;
+use crate::neighbours::PeriodicSides;
+use crate::particles::{Slip, Wall};
+use crate::scene::geometry::{Shape, Side, ghost_layers};
+use crate::scene::{Invalid, Resolution, SceneSection, SectionError};
+
+/// Section `walls`: the walls by name.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct WallsSection(IndexMap<String, WallSpec>);
+
+/// A wall of a scene.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WallSpec {
+    /// Surface of the wall (m).
+    pub shape: Shape,
+    /// On which side of the surface the fluid is.
+    #[serde(default)]
+    pub fluid: FluidSide,
+    /// Whether the fluid sticks to the wall.
+    #[serde(default)]
+    pub slip: Slip,
+    /// Where the wall is left out: an open top, a door (m).
+    #[serde(default)]
+    pub cut: Option<Shape>,
+    /// How the wall moves.
+    #[serde(default)]
+    pub motion: Motion,
+}
+
+/// Side of a wall's surface on which the fluid is.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum FluidSide {
+    /// Inside the shape: the wall is a container.
+    #[default]
+    Inside,
+    /// Outside the shape: the wall is an obstacle.
+    Outside,
+}
+
+impl SceneSection for WallsSection {
+    const NAME: &'static str = "walls";
+
+    fn when_absent() -> Option<Self> {
+        Some(Self::default())
+    }
+
+    fn check(&self, world: &World) -> Result<(), Invalid> {
+        let dimension = world.resource::<Resolution>().dimension;
+        for (name, wall) in &self.0 {
+            wall.shape.check(dimension).map_err(|invalid| invalid.under("shape").under(name))?;
+            if let Some(cut) = &wall.cut {
+                cut.check(dimension).map_err(|invalid| invalid.under("cut").under(name))?;
+            }
+            wall.motion.check(dimension).map_err(|invalid| invalid.under("motion").under(name))?;
+        }
+        Ok(())
+    }
+
+    fn spawn(self, world: &mut World) -> Result<(), SectionError> {
+        let resolution = *world.resource::<Resolution>();
+        let periodic = *world.resource::<PeriodicSides>();
+        let layers = (world.resource::<SmoothingKernel>().0.radius() / resolution.spacing).ceil() as usize;
+        for (index, (name, wall)) in self.0.into_iter().enumerate() {
+            let side = if wall.fluid == FluidSide::Inside { Side::Outside } else { Side::Inside };
+            let ghosts =
+                ghost_layers(&wall.shape, side, layers, resolution.spacing, resolution.dimension, wall.cut.as_ref());
+            // Beyond a periodic side the wall's own images continue it.
+            let ghosts: Vec<_> = ghosts.into_iter().filter(|x| periodic.contains(*x)).collect();
+            if ghosts.is_empty() {
+                let message = format!("no ghost particle fits at a spacing of {} m", resolution.spacing);
+                return Err(Invalid::new(format!("{name}.shape"), message).into());
+            }
+            let body = Body { name, index: index as u32 };
+            let shape = BodyShape { shape: wall.shape, solid_inside: wall.fluid == FluidSide::Outside, cut: wall.cut };
+            let volume = resolution.particle_volume();
+            let particles = ghosts.into_iter().map(|x| (x, volume));
+            spawn_body::<Wall>(world, body, shape, wall.motion, wall.slip, particles);
+        }
+        Ok(())
+    }
+}
+
+/// Shape of every wall and structure: where no fluid goes. Name, shape, and whether it is a structure.
+pub(crate) fn body_shapes(world: &mut World) -> Vec<(String, BodyShape, bool)> {
+    let mut bodies = world.query::<(&Body, &BodyShape, Has<Structure>)>();
+    let mut found: Vec<_> = bodies.iter(world).collect();
+    found.sort_by_key(|(body, _, is_structure)| (*is_structure, body.index));
+    found.into_iter().map(|(body, shape, is_structure)| (body.name.clone(), shape.clone(), is_structure)).collect()
+}

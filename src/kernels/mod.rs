@@ -1,0 +1,27 @@
+//! Smoothing kernels: the contract, the registry, and the scaled form that the pair loops evaluate.
+
+mod quintic;
+mod scaled;
+mod wendland;
+
+pub use quintic::QuinticSpline;
+pub use scaled::{KernelRegistry, PairKernel, SmoothingKernel};
+pub use wendland::WendlandC2;
+
+/// A radial smoothing kernel W(r, h) = α_d / h^d · w(q), q = r/h.
+///
+/// To add one, implement this trait and call
+/// [`register_kernel`](crate::app::StoreggaApp::register_kernel); scenes then choose it by its name.
+pub trait Kernel: Send + Sync + 'static {
+    /// Radius of the support in units of h: w(q) = 0 for q ≥ `support`.
+    fn support(&self) -> f64;
+
+    /// Normalisation α_d for `dimension` d, such that ∫ α_d w(|x|) d^d x = 1.
+    fn normalisation(&self, dimension: usize) -> f64;
+
+    /// Shape w(q), q ≥ 0. Must be 0 beyond the support.
+    fn w(&self, q: f64) -> f64;
+
+    /// Derivative dw/dq ≤ 0. Must be 0 beyond the support.
+    fn dw_dq(&self, q: f64) -> f64;
+}

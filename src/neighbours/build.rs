@@ -1,0 +1,181 @@
+//! When and how neighbour lists are built.
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+use super::grid::Grid;
+use super::sort::sort_fluid;
+use super::{PairList, PeriodicSides, Rows, add_images};
+use crate::app::StoreggaApp;
+use crate::kernels::SmoothingKernel;
+use crate::particles::{Fluid, Position, Solid, Wall, columns};
+use crate::scene::{Invalid, SceneSection, SectionError};
+use crate::schedule::Stage;
+
+/// How neighbour lists are kept: section `neighbours` of a scene. It decides about speed; results change by rounding
+/// only.
+#[derive(Resource, Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct NeighbourSettings {
+    /// Width of the skin, in units of the kernel's support radius: pairs up to (1 + skin) radii apart are listed, and
+    /// lists serve until a particle has moved by half the skin.
+    pub skin: f64,
+    /// Fluid particles are re-sorted in memory at every so many-th build of the lists; 0 for never.
+    pub sort_every: u32,
+}
+
+impl Default for NeighbourSettings {
+    fn default() -> Self {
+        Self { skin: 0.1, sort_every: 16 }
+    }
+}
+
+impl SceneSection for NeighbourSettings {
+    const NAME: &'static str = "neighbours";
+
+    fn when_absent() -> Option<Self> {
+        Some(Self::default())
+    }
+
+    fn check(&self, _: &World) -> Result<(), Invalid> {
+        if (0.0..=1.0).contains(&self.skin) {
+            Ok(())
+        } else {
+            Err(Invalid::new("skin", format!("must lie between 0 and 1 support radii, got {}", self.skin)))
+        }
+    }
+
+    fn spawn(self, world: &mut World) -> Result<(), SectionError> {
+        world.insert_resource(self);
+        Ok(())
+    }
+}
+
+/// Neighbour lists of every table, the numbering of rows they use, and how long they still serve.
+#[derive(Resource, Default)]
+pub struct Neighbours {
+    /// The numbering of rows.
+    pub rows: Rows,
+    /// Neighbours of each fluid particle: rows of every kind. With ∇W.
+    pub fluid: PairList,
+    /// Fluid neighbours of each wall particle. With W.
+    pub walls: PairList,
+    /// Fluid neighbours of each structure particle. With W and ∇W.
+    pub structures: PairList,
+    /// Number of times that lists were built.
+    pub builds: u64,
+    /// Greatest distance (m) that any particle can have moved since the last build.
+    travelled: f64,
+    /// Distance (m) up to which pairs are listed.
+    reach: f64,
+    /// Width of the skin (m).
+    skin: f64,
+    sort_every: u32,
+    positions: Vec<DVec3>,
+    grid: Grid,
+}
+
+impl Neighbours {
+    /// Takes into account that particles moved by at most `distance` (m).
+    pub fn moved(&mut self, distance: f64) {
+        self.travelled += distance;
+    }
+
+    /// Distance (m) up to which pairs are listed: support radius and skin.
+    #[must_use]
+    pub fn reach(&self) -> f64 {
+        self.reach
+    }
+
+    /// Forgets the lists, so that the next step builds new ones (after particles were put elsewhere).
+    pub fn invalidate(&mut self) {
+        self.travelled = f64::INFINITY;
+    }
+
+    pub(super) fn sort_is_due(&self) -> bool {
+        self.sort_every > 0 && self.builds % u64::from(self.sort_every) == 0
+    }
+}
+
+/// Two particles that approach each other use up the skin twice as fast as one.
+fn lists_are_stale(neighbours: Res<Neighbours>) -> bool {
+    neighbours.builds == 0 || 2.0 * neighbours.travelled > neighbours.skin
+}
+
+fn set_reach(mut neighbours: ResMut<Neighbours>, settings: Res<NeighbourSettings>, kernel: Res<SmoothingKernel>) {
+    neighbours.skin = settings.skin * kernel.0.radius();
+    neighbours.reach = kernel.0.radius() + neighbours.skin;
+    neighbours.sort_every = settings.sort_every;
+}
+
+/// Puts fluid that left through a periodic side back in at the other.
+fn wrap_fluid(sides: Res<PeriodicSides>, mut fluid: Query<&mut Position, With<Fluid>>) {
+    if sides.0.iter().any(Option::is_some) {
+        fluid.iter_mut().for_each(|mut position| position.0 = sides.wrap(position.0));
+    }
+}
+
+/// Builds the list of every table.
+fn build_lists(
+    mut neighbours: ResMut<Neighbours>,
+    sides: Res<PeriodicSides>,
+    fluid: Query<&Position, With<Fluid>>,
+    walls: Query<&Position, With<Wall>>,
+    structures: Query<&Position, With<Solid>>,
+) {
+    let n = &mut *neighbours;
+    let tables: [&[Position]; 3] = [columns(&fluid), columns(&walls), columns(&structures)];
+    let [fluid, walls, structures] = tables.map(<[Position]>::len);
+    (n.rows.fluid, n.rows.walls, n.rows.structures) = (fluid, walls, structures);
+    n.positions.clear();
+    n.positions.extend(tables.iter().flat_map(|table| table.iter().map(|x| x.0)));
+    add_images(&sides, n.reach, &mut n.positions, &mut n.rows.images);
+
+    // Walls farther from all fluid than a list reaches are left out: they cost nothing.
+    let (rows, owned) = (&n.rows, n.rows.owned());
+    let is_fluid = |row: usize| row < fluid || (row >= owned && (rows.images[row - owned].source as usize) < fluid);
+    let wet = n.positions.iter().enumerate().filter(|(row, _)| is_fluid(*row));
+    let (min, max) = wet.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(min, max), (_, x)| (min.min(*x), max.max(*x)));
+    n.grid.lay(min - n.reach, max + n.reach, n.reach, n.positions.len());
+    n.grid.sort(&n.positions, is_fluid);
+
+    let (grid, positions, reach_squared) = (&n.grid, &n.positions, n.reach * n.reach);
+    n.fluid.build(fluid, |i, list| {
+        grid.around(positions[i], |entries| {
+            list.extend(
+                entries
+                    .iter()
+                    .filter(|e| e.position.distance_squared(positions[i]) < reach_squared && e.row as usize != i)
+                    .map(|e| e.row),
+            );
+        });
+    });
+    let fluid_near = |row: usize, list: &mut Vec<u32>| {
+        grid.around(positions[row], |entries| {
+            list.extend(
+                entries
+                    .iter()
+                    .filter(|e| e.fluid && e.position.distance_squared(positions[row]) < reach_squared)
+                    .map(|e| e.row),
+            );
+        });
+    };
+    n.walls.build(walls, |k, list| fluid_near(fluid + k, list));
+    n.structures.build(structures, |k, list| fluid_near(fluid + walls + k, list));
+    n.travelled = 0.0;
+    n.builds += 1;
+}
+
+/// Neighbour lists and their stage.
+pub struct NeighboursPlugin;
+
+impl Plugin for NeighboursPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<Neighbours>();
+        app.register_scene_section::<NeighbourSettings>();
+        let systems = || (set_reach, (wrap_fluid, sort_fluid, build_lists).chain().run_if(lists_are_stale)).chain();
+        app.set_stage(Stage::Neighbours, systems(), systems());
+    }
+}

@@ -1,0 +1,111 @@
+//! A grid of cells as wide as a neighbour list reaches.
+
+use glam::DVec3;
+
+/// One row in the order of the cells.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Entry {
+    pub position: DVec3,
+    pub row: u32,
+    pub fluid: bool,
+}
+
+/// Rows sorted by cell, x fastest, so that the cells beside one another along x are one run of memory.
+#[derive(Debug, Default)]
+pub(super) struct Grid {
+    origin: DVec3,
+    inverse_cell: f64,
+    cells: [usize; 3],
+    /// `first[c]..first[c + 1]` are the entries of cell c.
+    first: Vec<u32>,
+    entries: Vec<Entry>,
+    cell_of_row: Vec<u32>,
+}
+
+/// A grid never has more cells than this many times the number of rows: when one particle flies far away, cells grow
+/// instead, and the lists stay right.
+const CELLS_PER_ROW: f64 = 8.0;
+
+/// Marks a row that lies too far from any fluid to matter.
+const OUTSIDE: u32 = u32::MAX;
+
+impl Grid {
+    /// Lays cells of edge `reach` (m) over the box `min`–`max`.
+    pub fn lay(&mut self, min: DVec3, max: DVec3, reach: f64, rows: usize) {
+        let extent = max - min;
+        let mut cell = reach;
+        loop {
+            let cells = extent.to_array().map(|length| (length / cell).floor() + 1.0);
+            if cells.iter().product::<f64>() <= CELLS_PER_ROW * rows as f64 + 1000.0 {
+                self.cells = cells.map(|n| n as usize);
+                break;
+            }
+            cell *= 1.5;
+        }
+        self.origin = min;
+        self.inverse_cell = 1.0 / cell;
+    }
+
+    fn coordinates(&self, position: DVec3) -> [isize; 3] {
+        ((position - self.origin) * self.inverse_cell).to_array().map(|x| x.floor() as isize)
+    }
+
+    /// The cell of a position, or `OUTSIDE`.
+    pub fn cell(&self, position: DVec3) -> u32 {
+        let [x, y, z] = self.coordinates(position);
+        let [nx, ny, nz] = self.cells.map(|n| n as isize);
+        if (0..nx).contains(&x) && (0..ny).contains(&y) && (0..nz).contains(&z) {
+            ((z * ny + y) * nx + x) as u32
+        } else {
+            OUTSIDE
+        }
+    }
+
+    /// Sorts rows into cells (a counting sort: rows of one cell keep their order).
+    pub fn sort(&mut self, positions: &[DVec3], is_fluid: impl Fn(usize) -> bool) {
+        self.cell_of_row.clear();
+        self.cell_of_row.reserve(positions.len());
+        let cells = self.cells.iter().product::<usize>();
+        self.first.clear();
+        self.first.resize(cells + 1, 0);
+        for &position in positions {
+            let cell = self.cell(position);
+            self.cell_of_row.push(cell);
+            if cell != OUTSIDE {
+                self.first[cell as usize + 1] += 1;
+            }
+        }
+        for c in 0..cells {
+            self.first[c + 1] += self.first[c];
+        }
+        let blank = Entry { position: DVec3::ZERO, row: 0, fluid: false };
+        self.entries.clear();
+        self.entries.resize(self.first[cells] as usize, blank);
+        for (row, &cell) in self.cell_of_row.iter().enumerate() {
+            if cell != OUTSIDE {
+                let place = &mut self.first[cell as usize];
+                self.entries[*place as usize] =
+                    Entry { position: positions[row], row: row as u32, fluid: is_fluid(row) };
+                *place += 1;
+            }
+        }
+        // Filling moved each cell's start to its end, which is the next cell's start: shift them back.
+        self.first.copy_within(0..cells, 1);
+        self.first[0] = 0;
+    }
+
+    /// Calls `visit` with each run of entries in the cells around `position`.
+    #[inline(always)]
+    pub fn around(&self, position: DVec3, mut visit: impl FnMut(&[Entry])) {
+        let [x, y, z] = self.coordinates(position);
+        let [nx, ny, nz] = self.cells.map(|n| n as isize);
+        let (x0, x1) = ((x - 1).clamp(0, nx), (x + 2).clamp(0, nx));
+        for cz in (z - 1).max(0)..(z + 2).min(nz) {
+            for cy in (y - 1).max(0)..(y + 2).min(ny) {
+                let line = (cz * ny + cy) * nx;
+                let range = self.first[(line + x0) as usize] as usize..self.first[(line + x1) as usize] as usize;
+                visit(&self.entries[range]);
+            }
+        }
+    }
+}

@@ -1,0 +1,46 @@
+//! The order of fluid particles in memory: by cell, so that neighbours in space are neighbours in memory.
+
+use bevy_ecs::prelude::*;
+use glam::DVec3;
+
+use super::build::Neighbours;
+use super::grid::Grid;
+use crate::particles::{Fluid, Position, columns, permute_columns};
+
+/// Scratch memory of [`sort_fluid`].
+#[derive(Default)]
+pub(super) struct SortScratch {
+    grid: Grid,
+    /// Cell in the upper, row in the lower 32 bits.
+    keys: Vec<u64>,
+    order: Vec<u32>,
+}
+
+/// Re-sorts the fluid table by cell, once in so many builds of the neighbour lists.
+pub(super) fn sort_fluid(
+    world: &mut World,
+    positions: &mut SystemState<Query<&'static Position, With<Fluid>>>,
+    mut scratch: Local<SortScratch>,
+) {
+    let neighbours = world.resource::<Neighbours>();
+    if !neighbours.sort_is_due() {
+        return;
+    }
+    let reach = neighbours.reach();
+    let SortScratch { grid, keys, order } = &mut *scratch;
+    {
+        let Ok(query) = positions.get(world) else { return };
+        let positions: &[Position] = columns(&query);
+        let min = positions.iter().fold(DVec3::INFINITY, |min, x| min.min(x.0));
+        let max = positions.iter().fold(DVec3::NEG_INFINITY, |max, x| max.max(x.0));
+        grid.lay(min, max, reach, positions.len());
+        keys.clear();
+        keys.extend(positions.iter().enumerate().map(|(row, x)| u64::from(grid.cell(x.0)) << 32 | row as u64));
+    }
+    keys.sort_unstable();
+    order.clear();
+    order.extend(keys.iter().map(|key| *key as u32));
+    permute_columns(world, order);
+}
+
+use bevy_ecs::system::SystemState;

@@ -1,0 +1,13 @@
+//! Particles: their components, their columns, and how pair loops read them.
+
+mod columns;
+mod components;
+mod gather;
+mod vector;
+
+pub use columns::{ColumnError, ParticleColumns, columns, permute_columns};
+pub use components::*;
+pub use gather::{Gather, Gathered};
+pub use vector::Vector;
+
+pub(crate) use gather::GRAIN;

@@ -1,0 +1,76 @@
+//! Vectors of a pair loop: as many components as the scene has dimensions.
+
+use std::ops::{Add, AddAssign, Mul, Sub};
+
+use glam::DVec3;
+
+/// A vector with `D` components: positions, velocities and forces inside the pair loops.
+///
+/// Columns hold [`DVec3`] in both dimensions; a loop converts once when it gathers a particle, so that a 2D scene
+/// pays for no third coordinate where it counts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Vector<const D: usize>(pub [f64; D]);
+
+impl<const D: usize> Vector<D> {
+    /// The null vector.
+    pub const ZERO: Self = Self([0.0; D]);
+
+    /// Scalar product a·b.
+    #[inline(always)]
+    #[must_use]
+    pub fn dot(self, other: Self) -> f64 {
+        let mut sum = self.0[0] * other.0[0];
+        for k in 1..D {
+            sum += self.0[k] * other.0[k];
+        }
+        sum
+    }
+}
+
+impl<const D: usize> From<DVec3> for Vector<D> {
+    #[inline(always)]
+    fn from(v: DVec3) -> Self {
+        let components = v.to_array();
+        Self(std::array::from_fn(|k| components[k]))
+    }
+}
+
+impl<const D: usize> From<Vector<D>> for DVec3 {
+    #[inline(always)]
+    fn from(v: Vector<D>) -> Self {
+        let mut components = [0.0; 3];
+        components[..D].copy_from_slice(&v.0);
+        Self::from_array(components)
+    }
+}
+
+impl<const D: usize> Add for Vector<D> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self(std::array::from_fn(|k| self.0[k] + other.0[k]))
+    }
+}
+
+impl<const D: usize> AddAssign for Vector<D> {
+    #[inline(always)]
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+impl<const D: usize> Sub for Vector<D> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self(std::array::from_fn(|k| self.0[k] - other.0[k]))
+    }
+}
+
+impl<const D: usize> Mul<f64> for Vector<D> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, factor: f64) -> Self {
+        Self(std::array::from_fn(|k| self.0[k] * factor))
+    }
+}

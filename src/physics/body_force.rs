@@ -1,0 +1,112 @@
+//! Forces that act on every particle by itself: gravity, and the damping of a settling phase.
+//!
+//! `dv_i/dt ← dv_i/dt + g(t) − k v_i`, k = 0 after the settling phase.
+
+use bevy_ecs::prelude::*;
+use glam::DVec3;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::clock::Clock;
+use crate::particles::{Acceleration, Fluid, GRAIN, Velocity};
+use crate::scene::{Invalid, SceneSection, SectionError};
+
+/// Gravity, or whatever uniform acceleration the scene gives in its place.
+#[derive(Resource, Debug, Clone, Copy, Default, PartialEq)]
+pub struct Gravity {
+    /// g (m/s²) of the scene.
+    pub full: DVec3,
+    /// g (m/s²) now: less during a ramp.
+    pub now: DVec3,
+}
+
+/// How the fluids come to rest before anything is measured: section `settling` of a scene.
+#[derive(Resource, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Settling {
+    /// Not at all.
+    #[default]
+    Off,
+    /// Velocities are damped for a while: dv/dt = … − rate·v.
+    Damping {
+        /// Time (s) until which the damping acts.
+        until: f64,
+        /// Rate (1/s).
+        rate: f64,
+    },
+    /// Gravity grows smoothly from nothing.
+    GravityRamp {
+        /// Time (s) from which gravity acts in full.
+        until: f64,
+    },
+}
+
+impl SceneSection for Settling {
+    const NAME: &'static str = "settling";
+
+    fn when_absent() -> Option<Self> {
+        Some(Self::Off)
+    }
+
+    fn check(&self, _: &World) -> Result<(), Invalid> {
+        let (until, rate) = match *self {
+            Self::Off => return Ok(()),
+            Self::Damping { until, rate } => (until, rate),
+            Self::GravityRamp { until } => (until, 1.0),
+        };
+        for (name, value, unit) in [("until", until, "s"), ("rate", rate, "1/s")] {
+            if value <= 0.0 {
+                return Err(Invalid::new(name, format!("must be greater than 0, got {value} {unit}")));
+            }
+        }
+        Ok(())
+    }
+
+    fn spawn(self, world: &mut World) -> Result<(), SectionError> {
+        world.insert_resource(self);
+        Ok(())
+    }
+}
+
+impl Settling {
+    /// Damping rate k (1/s) at time t (s).
+    fn damping(&self, t: f64) -> f64 {
+        match *self {
+            Self::Damping { until, rate } if t < until => rate,
+            _ => 0.0,
+        }
+    }
+
+    /// Fraction of gravity that acts at time t (s): 3s² − 2s³ during a ramp.
+    fn gravity_fraction(&self, t: f64) -> f64 {
+        match *self {
+            Self::GravityRamp { until } if t < until => {
+                let s = t / until;
+                s * s * (3.0 - 2.0 * s)
+            }
+            _ => 1.0,
+        }
+    }
+}
+
+/// Sets g for the step in progress.
+pub(super) fn ramp_gravity(clock: Res<Clock>, settling: Res<Settling>, mut gravity: ResMut<Gravity>) {
+    gravity.now = gravity.full * settling.gravity_fraction(clock.time);
+}
+
+/// Adds g(t) − k v.
+pub(super) fn apply_body_force(
+    clock: Res<Clock>,
+    settling: Res<Settling>,
+    gravity: Res<Gravity>,
+    mut fluid: Query<(&Velocity, &mut Acceleration), With<Fluid>>,
+) -> Result {
+    let k = settling.damping(clock.time);
+    for (velocity, mut acceleration) in fluid.contiguous_iter_mut()? {
+        (velocity, acceleration.bypass_change_detection())
+            .into_par_iter()
+            .with_min_len(GRAIN)
+            .for_each(|(v, a)| a.0 += gravity.now - k * v.0);
+    }
+    Ok(())
+}

@@ -1,0 +1,128 @@
+//! Density and pressure, Eqs. 7–9.
+//!
+//! `p = ρ0 c² (β − 1) + χ`, β = ρ/ρ0. The bulk modulus `B = ρ0 c²` is one number for all phases (Eq. 9), so p and β are
+//! continuous where phases touch. Each phase asks for `c ≥ 10 max(√(p_max/ρ0), v_max)` (Eq. 8); the largest B asked
+//! for is taken, and each phase gets `c = √(B/ρ0)`.
+
+use bevy_ecs::prelude::*;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::clock::Clock;
+use crate::particles::{Density, DensityRate, Fluid, GRAIN, Pressure, ReferenceDensity};
+use crate::scene::{Invalid, SceneSection, SectionError};
+
+/// What the scene says about the equation of state: its section `equation_of_state`.
+#[derive(Resource, Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct StateSettings {
+    /// Greatest pressure p_max (Pa) expected, or `None` to estimate it from the depth of the fluids.
+    pub max_pressure: Option<f64>,
+    /// Greatest speed v_max (m/s) expected, or `None` to estimate it as that of a dam break, 2√(gH).
+    pub max_speed: Option<f64>,
+    /// Ratio of the sound speed to the greater of √(p_max/ρ0) and v_max (Eq. 8).
+    pub sound_speed_ratio: f64,
+    /// Background pressure χ (Pa); above 0 only where there is no free surface.
+    pub background_pressure: f64,
+}
+
+impl Default for StateSettings {
+    fn default() -> Self {
+        Self { max_pressure: None, max_speed: None, sound_speed_ratio: 10.0, background_pressure: 0.0 }
+    }
+}
+
+impl SceneSection for StateSettings {
+    const NAME: &'static str = "equation_of_state";
+
+    fn when_absent() -> Option<Self> {
+        Some(Self::default())
+    }
+
+    fn check(&self, _: &World) -> Result<(), Invalid> {
+        for (name, value, unit) in [("max_pressure", self.max_pressure, "Pa"), ("max_speed", self.max_speed, "m/s")] {
+            if let Some(value) = value.filter(|value| *value < 0.0) {
+                return Err(Invalid::new(name, format!("must not be negative, got {value} {unit}")));
+            }
+        }
+        if self.sound_speed_ratio < 1.0 {
+            let message = format!("must be at least 1 (10 keeps density within 1 %), got {}", self.sound_speed_ratio);
+            return Err(Invalid::new("sound_speed_ratio", message));
+        }
+        if self.background_pressure < 0.0 {
+            let message = format!("must not be negative, got {} Pa", self.background_pressure);
+            return Err(Invalid::new("background_pressure", message));
+        }
+        Ok(())
+    }
+
+    fn spawn(self, world: &mut World) -> Result<(), SectionError> {
+        world.insert_resource(self);
+        Ok(())
+    }
+}
+
+/// The equation of state of the run.
+#[derive(Resource, Debug, Clone, Copy, PartialEq)]
+pub struct EquationOfState {
+    /// Bulk modulus B = ρ0 c² (Pa), the same for every phase.
+    pub bulk_modulus: f64,
+    /// Background pressure χ (Pa).
+    pub background_pressure: f64,
+    /// p_max (Pa) that entered Eq. 8.
+    pub max_pressure: f64,
+    /// v_max (m/s) that entered Eq. 8.
+    pub max_speed: f64,
+}
+
+impl EquationOfState {
+    /// Eq. 8 for phases with these reference densities (kg/m³), with p_max (Pa) and v_max (m/s).
+    #[must_use]
+    pub fn new(reference_densities: &[f64], settings: &StateSettings, max_pressure: f64, max_speed: f64) -> Self {
+        let asked = reference_densities.iter().map(|rho0| {
+            let c = settings.sound_speed_ratio * (max_pressure / rho0).sqrt().max(max_speed);
+            rho0 * c * c
+        });
+        let background_pressure = settings.background_pressure;
+        Self { bulk_modulus: asked.fold(0.0, f64::max), background_pressure, max_pressure, max_speed }
+    }
+
+    /// p (Pa) of Eq. 7 at density `rho` of a phase with reference density `rho0` (kg/m³).
+    #[inline(always)]
+    #[must_use]
+    pub fn pressure(&self, rho: f64, rho0: f64) -> f64 {
+        self.bulk_modulus * (rho / rho0 - 1.0) + self.background_pressure
+    }
+
+    /// β = ρ/ρ0 at pressure p (Pa): the inverse of Eq. 7.
+    #[inline(always)]
+    #[must_use]
+    pub fn compression(&self, pressure: f64) -> f64 {
+        1.0 + (pressure - self.background_pressure) / self.bulk_modulus
+    }
+
+    /// c = √(B/ρ0) (m/s).
+    #[inline(always)]
+    #[must_use]
+    pub fn sound_speed(&self, rho0: f64) -> f64 {
+        (self.bulk_modulus / rho0).sqrt()
+    }
+}
+
+/// `ρ ← ρ + Δt dρ/dt`, then Eq. 7.
+pub(super) fn advance_state(
+    clock: Res<Clock>,
+    state: Res<EquationOfState>,
+    mut fluid: Query<(&DensityRate, &ReferenceDensity, &mut Density, &mut Pressure), With<Fluid>>,
+) -> Result {
+    for (rate, rho0, mut rho, mut p) in fluid.contiguous_iter_mut()? {
+        (rate, rho0, rho.bypass_change_detection(), p.bypass_change_detection())
+            .into_par_iter()
+            .with_min_len(GRAIN)
+            .for_each(|(rate, rho0, rho, p)| {
+                rho.0 += clock.time_step * rate.0;
+                p.0 = state.pressure(rho.0, rho0.0);
+            });
+    }
+    Ok(())
+}

@@ -1,0 +1,88 @@
+//! Pressure and volume of ghost particles, Eq. 15 (Adami et al. 2012).
+//!
+//! `p_b = [Σ_f p_f W_bf + (g − a_w)·Σ_f ρ_f (x_b − x_f) W_bf] / Σ_f W_bf`
+//! (the paper prints p_f in the second sum); `ρ_b = ρ0_b (1 + (p_b − χ)/B)`, the inverse of Eq. 7, with ρ0_b the
+//! interpolated reference density of the fluid beside it; `V_b = V_rest / (1 + (p_b − χ)/B)`.
+//! A ghost with no fluid near it has p = χ and acts on nothing.
+
+use bevy_ecs::prelude::*;
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::{EquationOfState, Gravity};
+use crate::neighbours::{Neighbours, PairList, Rows};
+use crate::particles::{
+    Density, Fluid, GRAIN, Position, Pressure, ReferenceDensity, RestVolume, Solid, Volume, Wall, WallAcceleration,
+    columns,
+};
+
+type GhostState = (
+    &'static Position,
+    &'static WallAcceleration,
+    &'static RestVolume,
+    &'static mut Pressure,
+    &'static mut Density,
+    &'static mut Volume,
+);
+
+/// Extrapolates the fluid's pressure to every wall and structure particle.
+pub fn ghost_pressure(
+    neighbours: Res<Neighbours>,
+    state: Res<EquationOfState>,
+    gravity: Res<Gravity>,
+    fluid: Query<(&Position, &Pressure, &Density, &ReferenceDensity), With<Fluid>>,
+    mut walls: Query<GhostState, (With<Wall>, Without<Fluid>)>,
+    mut structures: Query<GhostState, (With<Solid>, Without<Fluid>, Without<Wall>)>,
+) -> Result {
+    let (position, pressure, density, reference_density): (&[Position], &[Pressure], &[Density], &[ReferenceDensity]) =
+        columns(&fluid);
+    let fluid = FluidColumns { position, pressure, density, reference_density };
+    let gravity = gravity.now;
+    for (x, a_w, rest, mut p, mut rho, mut volume) in walls.contiguous_iter_mut()? {
+        let out = (p.bypass_change_detection(), rho.bypass_change_detection(), volume.bypass_change_detection());
+        extrapolate(&neighbours.rows, &neighbours.walls, &fluid, &state, gravity, (x, a_w, rest), out);
+    }
+    for (x, a_w, rest, mut p, mut rho, mut volume) in structures.contiguous_iter_mut()? {
+        let out = (p.bypass_change_detection(), rho.bypass_change_detection(), volume.bypass_change_detection());
+        extrapolate(&neighbours.rows, &neighbours.structures, &fluid, &state, gravity, (x, a_w, rest), out);
+    }
+    Ok(())
+}
+
+struct FluidColumns<'a> {
+    position: &'a [Position],
+    pressure: &'a [Pressure],
+    density: &'a [Density],
+    reference_density: &'a [ReferenceDensity],
+}
+
+/// Eq. 15 for every ghost of one table.
+fn extrapolate(
+    rows: &Rows,
+    list: &PairList,
+    fluid: &FluidColumns<'_>,
+    state: &EquationOfState,
+    g: DVec3,
+    (x, a_w, rest): (&[Position], &[WallAcceleration], &[RestVolume]),
+    out: (&mut [Pressure], &mut [Density], &mut [Volume]),
+) {
+    out.into_par_iter().with_min_len(GRAIN).enumerate().for_each(|(b, (p_b, rho_b, volume_b))| {
+        let pairs = list.of(b);
+        let (mut sum_pw, mut sum_rho_r_w, mut sum_rho0_w, mut sum_w) = (0.0, DVec3::ZERO, 0.0, 0.0);
+        for (&row, &w) in pairs.rows.iter().zip(pairs.values) {
+            let f = rows.source(row);
+            let r_bf = x[b].0 - (fluid.position[f].0 + rows.shift(row));
+            sum_pw += fluid.pressure[f].0 * w;
+            sum_rho_r_w += r_bf * (fluid.density[f].0 * w);
+            sum_rho0_w += fluid.reference_density[f].0 * w;
+            sum_w += w;
+        }
+        let (p, rho0) = if sum_w > 0.0 {
+            ((sum_pw + (g - a_w[b].0).dot(sum_rho_r_w)) / sum_w, sum_rho0_w / sum_w)
+        } else {
+            (state.background_pressure, 0.0)
+        };
+        let beta = state.compression(p);
+        (p_b.0, rho_b.0, volume_b.0) = (p, rho0 * beta, rest[b].0 / beta);
+    });
+}

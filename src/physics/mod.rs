@@ -1,0 +1,33 @@
+//! The equations: one file a stage, in the order of [`Stage`](crate::schedule::Stage).
+
+mod body_force;
+mod continuity;
+mod diffusion;
+mod equation_of_state;
+mod ghost_pressure;
+mod ghost_velocity;
+mod integration;
+mod momentum;
+mod pair_kernel;
+mod plugin;
+mod pressure_force;
+mod strain_rate;
+mod time_step;
+mod viscous_force;
+
+pub use body_force::{Gravity, Settling};
+pub use continuity::density_rate;
+pub use diffusion::{DensityDiffusion, density_diffusion};
+pub use equation_of_state::{EquationOfState, StateSettings};
+pub use ghost_pressure::ghost_pressure;
+pub use ghost_velocity::ghost_velocity;
+pub use momentum::{Momentum, MomentumSettings, PairViscosity, momentum};
+pub use pair_kernel::pair_kernel;
+pub use plugin::PhysicsPlugin;
+pub use pressure_force::{DensityWeighted, PressureAverage, PressureForm, VolumeWeighted};
+pub use strain_rate::{StrainSettings, strain_rate};
+pub use time_step::{Divergence, DivergenceReport, TimeStepSettings};
+pub use viscous_force::{CentralForm, LaplacianForm, ViscousForce, ViscousForm};
+
+pub(crate) use integration::drift;
+pub(crate) use momentum::{PairTerms, with_forms};

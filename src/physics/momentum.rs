@@ -1,0 +1,197 @@
+//! Conservation of momentum, Eqs. 6 and 12: pressure and viscous force between particles.
+//!
+//! `dv_i/dt = (1/m_i) Σ_j [−(pressure average) ∇_iW_ij + viscous force]`. The two pair terms stand in
+//! [`pressure_force`](super::PressureAverage) and [`viscous_force`](super::ViscousForce); each is antisymmetric, so total
+//! momentum is conserved to round-off.
+
+use bevy_ecs::prelude::*;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::{PressureAverage, PressureForm, ViscousForce, ViscousForm};
+use crate::neighbours::{Neighbours, sum_pairs};
+use crate::particles::{
+    Acceleration, Density, Fluid, GRAIN, Gather, Gathered, GhostVelocity, Mass, Position, Pressure, Slip, Solid,
+    Vector, Velocity, Viscosity, Volume, Wall, columns,
+};
+use crate::scene::{SceneSection, SectionError};
+
+/// Forms of the two forces between particles: section `momentum` of a scene.
+#[derive(Resource, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct MomentumSettings {
+    /// Average of the pressures of a pair.
+    pub pressure: PressureForm,
+    /// Form of the viscous force.
+    pub viscosity: ViscousForm,
+}
+
+impl SceneSection for MomentumSettings {
+    const NAME: &'static str = "momentum";
+
+    fn when_absent() -> Option<Self> {
+        Some(Self::default())
+    }
+
+    fn spawn(self, world: &mut World) -> Result<(), SectionError> {
+        world.insert_resource(self);
+        Ok(())
+    }
+}
+
+/// The viscosity with which a particle enters a pair: its own, or what its wall prescribes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PairViscosity(f64);
+
+impl PairViscosity {
+    /// A ghost on which the fluid sticks takes the viscosity of the fluid particle that it acts on.
+    const NO_SLIP: Self = Self(-1.0);
+    /// The harmonic mean with 0 is 0: no viscous force.
+    const FREE_SLIP: Self = Self(0.0);
+
+    /// A fluid particle's own μ (Pa s).
+    #[inline(always)]
+    #[must_use]
+    pub fn fluid(mu: f64) -> Self {
+        Self(mu)
+    }
+
+    /// What a ghost of a wall or structure brings.
+    #[inline(always)]
+    #[must_use]
+    pub fn ghost(slip: Slip) -> Self {
+        if slip == Slip::FreeSlip { Self::FREE_SLIP } else { Self::NO_SLIP }
+    }
+
+    /// μ (Pa s) of a fluid particle.
+    #[inline(always)]
+    #[must_use]
+    pub fn own(self) -> f64 {
+        self.0
+    }
+
+    /// μ̄_ij = 2 μ_i μ_j/(μ_i + μ_j) (Pa s) of a fluid particle with `mu_i` and this one.
+    #[inline(always)]
+    #[must_use]
+    pub fn mean_with(self, mu_i: f64) -> f64 {
+        let harmonic = 2.0 * mu_i * self.0 / (mu_i + self.0 + f64::MIN_POSITIVE);
+        if self.0 < 0.0 { mu_i } else { harmonic }
+    }
+}
+
+/// What the forces need of a particle.
+#[derive(Debug, Clone, Copy)]
+pub struct Momentum<const D: usize> {
+    /// v, or v_b of a ghost (m/s).
+    pub velocity: Vector<D>,
+    /// V (m³; m² in 2D).
+    pub volume: f64,
+    /// ρ (kg/m³).
+    pub density: f64,
+    /// p (Pa).
+    pub pressure: f64,
+    /// μ (Pa s), or what a ghost brings.
+    pub viscosity: PairViscosity,
+}
+
+/// Pressure and viscous force of one pair on particle i.
+pub(crate) struct PairTerms;
+
+impl PairTerms {
+    /// (−average ∇_iW_ij, viscous force) with mean viscosity `mu_ij`.
+    #[inline(always)]
+    pub(crate) fn of<const D: usize, P: PressureAverage, V: ViscousForce>(
+        mu_ij: f64,
+        i: &Momentum<D>,
+        j: &Momentum<D>,
+        pair: &crate::neighbours::Pair<D>,
+    ) -> (Vector<D>, Vector<D>) {
+        (pair.grad_w() * -P::average(i, j), V::force(mu_ij, i, j, pair))
+    }
+}
+
+/// Calls `$function::<D, P, V>(…)` for the forms that the scene chose.
+macro_rules! with_forms {
+    ($settings:expr, $function:ident::<$D:ident>($($argument:expr),* $(,)?)) => {{
+        use $crate::physics::{CentralForm, DensityWeighted, LaplacianForm, PressureForm, ViscousForm, VolumeWeighted};
+        match ($settings.pressure, $settings.viscosity) {
+            (PressureForm::VolumeWeighted, ViscousForm::Laplacian) => {
+                $function::<$D, VolumeWeighted, LaplacianForm>($($argument),*)
+            }
+            (PressureForm::VolumeWeighted, ViscousForm::Central) => {
+                $function::<$D, VolumeWeighted, CentralForm>($($argument),*)
+            }
+            (PressureForm::DensityWeighted, ViscousForm::Laplacian) => {
+                $function::<$D, DensityWeighted, LaplacianForm>($($argument),*)
+            }
+            (PressureForm::DensityWeighted, ViscousForm::Central) => {
+                $function::<$D, DensityWeighted, CentralForm>($($argument),*)
+            }
+        }
+    }};
+}
+pub(crate) use with_forms;
+
+type Ghosts =
+    (&'static Position, &'static GhostVelocity, &'static Volume, &'static Density, &'static Pressure, &'static Slip);
+type GhostColumns<'a> = (&'a [Position], &'a [GhostVelocity], &'a [Volume], &'a [Density], &'a [Pressure], &'a [Slip]);
+
+/// Computes the acceleration of every fluid particle from the forces between particles.
+pub fn momentum<const D: usize>(
+    settings: Res<MomentumSettings>,
+    neighbours: Res<Neighbours>,
+    mut gather: Local<Gather<D, Momentum<D>>>,
+    mut fluid: Query<(&Position, &Velocity, &Mass, &Density, &Pressure, &Viscosity, &mut Acceleration), With<Fluid>>,
+    walls: Query<Ghosts, With<Wall>>,
+    structures: Query<Ghosts, With<Solid>>,
+) -> Result {
+    let [walls, structures] =
+        [columns(&walls), columns(&structures)].map(|(x, v, volume, rho, p, slip): GhostColumns<'_>| {
+            move |b: usize| Gathered {
+                position: x[b].0.into(),
+                state: Momentum {
+                    velocity: v[b].0.into(),
+                    volume: volume[b].0,
+                    density: rho[b].0,
+                    pressure: p[b].0,
+                    viscosity: PairViscosity::ghost(slip[b]),
+                },
+            }
+        });
+    for (x, v, m, rho, p, mu, mut acceleration) in fluid.contiguous_iter_mut()? {
+        let own = |i: usize| Gathered {
+            position: x[i].0.into(),
+            state: Momentum {
+                velocity: v[i].0.into(),
+                volume: m[i].0 / rho[i].0,
+                density: rho[i].0,
+                pressure: p[i].0,
+                viscosity: PairViscosity::fluid(mu[i].0),
+            },
+        };
+        let records = gather.fill(&neighbours.rows, own, walls, structures);
+        let out = acceleration.bypass_change_detection();
+        with_forms!(settings, accelerate::<D>(&neighbours, records, m, mu, out));
+    }
+    Ok(())
+}
+
+fn accelerate<const D: usize, P: PressureAverage, V: ViscousForce>(
+    neighbours: &Neighbours,
+    records: &[Gathered<D, Momentum<D>>],
+    m: &[Mass],
+    mu: &[Viscosity],
+    out: &mut [Acceleration],
+) {
+    out.par_iter_mut().with_min_len(GRAIN).enumerate().for_each(|(i, acceleration)| {
+        let own = &records[i];
+        let mu_i = mu[i].0;
+        let mut force = Vector::ZERO;
+        sum_pairs(own, neighbours.fluid.of(i), records, |other, pair| {
+            let mu_ij = other.viscosity.mean_with(mu_i);
+            let (pressure, viscous) = PairTerms::of::<D, P, V>(mu_ij, &own.state, other, pair);
+            force += pressure + viscous;
+        });
+        acceleration.0 = (force * (1.0 / m[i].0)).into();
+    });
+}

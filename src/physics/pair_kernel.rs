@@ -1,0 +1,47 @@
+//! The kernel of every listed pair, once a step.
+//!
+//! `∇_iW_ij = (r_ij/r) dW/dr` (Eq. 3) as the factor `F_ij = (dW/dr)/r`, and `W_ij` (Eq. 4) where walls and structures
+//! interpolate.
+
+use bevy_ecs::prelude::*;
+
+use crate::kernels::SmoothingKernel;
+use crate::neighbours::{Neighbours, Wanted};
+use crate::particles::{Fluid, Gather, Gathered, Position, Solid, Vector, Wall, columns};
+
+/// Evaluates (dW/dr)/r and W of every pair.
+pub fn pair_kernel<const D: usize>(
+    mut neighbours: ResMut<Neighbours>,
+    kernel: Res<SmoothingKernel>,
+    mut gather: Local<Gather<D, ()>>,
+    fluid: Query<&Position, With<Fluid>>,
+    walls: Query<&Position, With<Wall>>,
+    structures: Query<&Position, With<Solid>>,
+) {
+    let n = &mut *neighbours;
+    let tables: [&[Position]; 3] = [columns(&fluid), columns(&walls), columns(&structures)];
+    let [fluid, walls, structures] =
+        tables.map(|x| move |k: usize| Gathered { position: Vector::from(x[k].0), state: () });
+    let records = gather.fill(&n.rows, fluid, walls, structures);
+
+    let mut first_owner = 0;
+    for (list, owners, wanted) in [
+        (&mut n.fluid, n.rows.fluid, Wanted { gradients: true, values: false }),
+        (&mut n.walls, n.rows.walls, Wanted { gradients: false, values: true }),
+        (&mut n.structures, n.rows.structures, Wanted { gradients: true, values: true }),
+    ] {
+        list.evaluate(
+            wanted,
+            |i, rows, squared_distances| {
+                let x_i = records[first_owner + i].position;
+                for (&row, out) in rows.iter().zip(squared_distances) {
+                    let r_ij = x_i - records[row as usize].position;
+                    *out = r_ij.dot(r_ij);
+                }
+            },
+            |x| kernel.0.gradients(x),
+            |x| kernel.0.values(x),
+        );
+        first_owner += owners;
+    }
+}

@@ -1,0 +1,43 @@
+//! Puts the paper's equations in charge of their stages.
+
+use bevy_app::{App, Plugin};
+
+use super::body_force::{apply_body_force, ramp_gravity};
+use super::equation_of_state::advance_state;
+use super::integration::{drift, kick};
+use super::time_step::next_time_step;
+use super::{
+    DensityDiffusion, Divergence, Gravity, MomentumSettings, Settling, StateSettings, StrainSettings, TimeStepSettings,
+    density_diffusion, density_rate, ghost_pressure, ghost_velocity, momentum, pair_kernel, strain_rate,
+};
+use crate::app::StoreggaApp;
+use crate::schedule::Stage;
+
+/// The stages of the paper's model, and the scene sections that set them.
+pub struct PhysicsPlugin;
+
+impl Plugin for PhysicsPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<Divergence>().init_resource::<Gravity>();
+        app.register_scene_section::<StateSettings>()
+            .register_scene_section::<DensityDiffusion>()
+            .register_scene_section::<StrainSettings>()
+            .register_scene_section::<MomentumSettings>()
+            .register_scene_section::<Settling>()
+            .register_scene_section::<TimeStepSettings>();
+
+        app.set_stage(Stage::FirstKick, (ramp_gravity, kick), (ramp_gravity, kick))
+            .set_stage(Stage::Drift, drift, drift)
+            .set_stage(Stage::PairKernel, pair_kernel::<2>, pair_kernel::<3>)
+            .set_stage(Stage::GhostVelocity, ghost_velocity, ghost_velocity)
+            .set_stage(Stage::StrainRate, strain_rate::<2>, strain_rate::<3>)
+            .set_stage(Stage::Continuity, density_rate::<2>, density_rate::<3>)
+            .set_stage(Stage::Diffusion, density_diffusion::<2>, density_diffusion::<3>)
+            .set_stage(Stage::State, advance_state, advance_state)
+            .set_stage(Stage::GhostPressure, ghost_pressure, ghost_pressure)
+            .set_stage(Stage::Momentum, momentum::<2>, momentum::<3>)
+            .set_stage(Stage::BodyForce, apply_body_force, apply_body_force)
+            .set_stage(Stage::SecondKick, kick, kick)
+            .set_stage(Stage::TimeStep, next_time_step, next_time_step);
+    }
+}

@@ -1,0 +1,215 @@
+//! The next time step, Eq. 19, and the watch over divergence.
+//!
+//! `Δt = min( C_s h/(c + |v|_max), C_ν h²/max(μ_i/ρ_i), C_a min √(h/|a_i|) )`, with 0.25, 0.125 and 0.25. (The paper
+//! prints 1.25 for the first, which is unstable.)
+
+use bevy_ecs::prelude::*;
+use glam::DVec3;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::EquationOfState;
+use crate::clock::{Clock, Limit};
+use crate::particles::{
+    Acceleration, Density, Fluid, GRAIN, ParticleId, PhaseIndex, Position, Pressure, ReferenceDensity, Velocity,
+    Viscosity,
+};
+use crate::scene::{Invalid, Resolution, SceneSection, SectionError};
+
+/// Coefficients of Eq. 19: section `time_step` of a scene.
+#[derive(Resource, Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct TimeStepSettings {
+    /// C_s of the sound limit (dimensionless).
+    pub sound: f64,
+    /// C_ν of the viscous limit (dimensionless).
+    pub viscosity: f64,
+    /// C_a of the acceleration limit (dimensionless).
+    pub acceleration: f64,
+}
+
+impl Default for TimeStepSettings {
+    fn default() -> Self {
+        Self { sound: 0.25, viscosity: 0.125, acceleration: 0.25 }
+    }
+}
+
+impl SceneSection for TimeStepSettings {
+    const NAME: &'static str = "time_step";
+
+    fn when_absent() -> Option<Self> {
+        Some(Self::default())
+    }
+
+    fn check(&self, _: &World) -> Result<(), Invalid> {
+        let named = [("sound", self.sound), ("viscosity", self.viscosity), ("acceleration", self.acceleration)];
+        match named.into_iter().find(|(_, value)| *value <= 0.0 || *value > 2.0) {
+            Some((name, value)) => Err(Invalid::new(name, format!("must lie between 0 and 2, got {value}"))),
+            None => Ok(()),
+        }
+    }
+
+    fn spawn(self, world: &mut World) -> Result<(), SectionError> {
+        world.insert_resource(self);
+        Ok(())
+    }
+}
+
+impl TimeStepSettings {
+    /// Eq. 19: the greatest stable Δt (s) and what limits it, for a smoothing length h (m), sound speed c and speed
+    /// |v|_max (m/s), kinematic viscosity max(μ/ρ) (m²/s) and acceleration |a|_max (m/s²).
+    #[must_use]
+    pub fn stable_step(
+        &self,
+        h: f64,
+        sound_and_speed: f64,
+        kinematic_viscosity: f64,
+        acceleration: f64,
+    ) -> (f64, Limit) {
+        let limits = [
+            (self.sound * h / sound_and_speed, Limit::Sound),
+            (self.viscosity * h * h / kinematic_viscosity, Limit::Viscosity),
+            (self.acceleration * (h / acceleration).sqrt(), Limit::Acceleration),
+        ];
+        limits
+            .into_iter()
+            .fold((f64::INFINITY, Limit::Sound), |least, limit| if limit.0 < least.0 { limit } else { least })
+    }
+}
+
+/// A density below half or above twice ρ0, or a speed above that of sound, is no longer a weakly compressible fluid.
+const GREATEST_COMPRESSION: f64 = 2.0;
+
+/// The particle at which a run left the model's range.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DivergenceReport {
+    /// Time (s).
+    pub time: f64,
+    /// Step.
+    pub step: u64,
+    /// Particle.
+    pub particle: u32,
+    /// Index of its phase.
+    pub phase: u32,
+    /// Position (m).
+    pub position: DVec3,
+    /// Velocity (m/s).
+    pub velocity: DVec3,
+    /// Density (kg/m³).
+    pub density: f64,
+    /// Pressure (Pa).
+    pub pressure: f64,
+    /// Which bound was broken.
+    pub reason: String,
+}
+
+/// Set when a run has diverged.
+#[derive(Resource, Debug, Clone, Default)]
+pub struct Divergence(pub Option<DivergenceReport>);
+
+/// Greatest values over the fluid.
+#[derive(Clone, Copy)]
+struct Extremes {
+    speed_squared: f64,
+    acceleration_squared: f64,
+    kinematic_viscosity: f64,
+    within_range: bool,
+}
+
+impl Extremes {
+    const NONE: Self =
+        Self { speed_squared: 0.0, acceleration_squared: 0.0, kinematic_viscosity: 0.0, within_range: true };
+
+    fn and(self, other: Self) -> Self {
+        Self {
+            speed_squared: self.speed_squared.max(other.speed_squared),
+            acceleration_squared: self.acceleration_squared.max(other.acceleration_squared),
+            kinematic_viscosity: self.kinematic_viscosity.max(other.kinematic_viscosity),
+            within_range: self.within_range && other.within_range,
+        }
+    }
+}
+
+/// Finds the next stable Δt and stops a run that has left the model's range.
+pub(super) fn next_time_step(
+    settings: Res<TimeStepSettings>,
+    resolution: Res<Resolution>,
+    state: Res<EquationOfState>,
+    mut clock: ResMut<Clock>,
+    mut divergence: ResMut<Divergence>,
+    fluid: Query<(&Velocity, &Acceleration, &Density, &ReferenceDensity, &Viscosity), With<Fluid>>,
+    suspects: Query<
+        (&ParticleId, &PhaseIndex, &Position, &Velocity, &Acceleration, &Density, &ReferenceDensity, &Pressure),
+        With<Fluid>,
+    >,
+) -> Result {
+    let mut extremes = Extremes::NONE;
+    let mut least_reference_density = f64::INFINITY;
+    for (v, a, rho, rho0, mu) in fluid.contiguous_iter()? {
+        let each = (v, a, rho, rho0, mu).into_par_iter().with_min_len(GRAIN).map(|(v, a, rho, rho0, mu)| {
+            let speed_squared = v.0.length_squared();
+            let acceleration_squared = a.0.length_squared();
+            let within_range = speed_squared * rho0.0 < state.bulk_modulus
+                && acceleration_squared.is_finite()
+                && rho.0 * GREATEST_COMPRESSION > rho0.0
+                && rho.0 < rho0.0 * GREATEST_COMPRESSION;
+            let each =
+                Extremes { speed_squared, acceleration_squared, kinematic_viscosity: mu.0 / rho.0, within_range };
+            (each, rho0.0)
+        });
+        let (found, lightest) = each.reduce(|| (Extremes::NONE, f64::INFINITY), |a, b| (a.0.and(b.0), a.1.min(b.1)));
+        (extremes, least_reference_density) = (extremes.and(found), least_reference_density.min(lightest));
+    }
+    clock.greatest_speed = extremes.speed_squared.sqrt();
+    clock.greatest_acceleration = extremes.acceleration_squared.sqrt();
+    let signal_speed = state.sound_speed(least_reference_density) + clock.greatest_speed;
+    (clock.stable_time_step, clock.stable_limit) = settings.stable_step(
+        resolution.smoothing_length,
+        signal_speed,
+        extremes.kinematic_viscosity,
+        clock.greatest_acceleration,
+    );
+    if !extremes.within_range {
+        divergence.0 =
+            suspects.iter().filter_map(|particle| report(&clock, &state, particle)).min_by_key(|r| r.particle);
+    }
+    Ok(())
+}
+
+type Suspect<'a> = (
+    &'a ParticleId,
+    &'a PhaseIndex,
+    &'a Position,
+    &'a Velocity,
+    &'a Acceleration,
+    &'a Density,
+    &'a ReferenceDensity,
+    &'a Pressure,
+);
+
+/// Says what is wrong with a particle, if anything is.
+fn report(clock: &Clock, state: &EquationOfState, particle: Suspect<'_>) -> Option<DivergenceReport> {
+    let (id, phase, x, v, a, rho, rho0, p) = particle;
+    let c = state.sound_speed(rho0.0);
+    let speed = v.0.length();
+    let reason = if !(x.0.is_finite() && v.0.is_finite() && a.0.is_finite() && rho.0.is_finite()) {
+        "a value is no longer a number".to_owned()
+    } else if speed >= c {
+        format!("its speed {speed:.4} m/s exceeds the sound speed {c:.4} m/s")
+    } else if rho.0 * GREATEST_COMPRESSION <= rho0.0 || rho.0 >= rho0.0 * GREATEST_COMPRESSION {
+        format!("its density {:.4} kg/m³ is too far from the reference density {} kg/m³", rho.0, rho0.0)
+    } else {
+        return None;
+    };
+    Some(DivergenceReport {
+        time: clock.time,
+        step: clock.step,
+        particle: id.0,
+        phase: phase.0,
+        position: x.0,
+        velocity: v.0,
+        density: rho.0,
+        pressure: p.0,
+        reason,
+    })
+}

@@ -1,0 +1,5 @@
+//! What a run measures.
+
+mod series;
+
+pub use series::{Series, SeriesField};

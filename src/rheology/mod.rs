@@ -1,0 +1,31 @@
+//! Rheologies: the contract, the registry, one file a model.
+//!
+//! A rheology is a set of parameters that a scene names: `rheology: HerschelBulkley(consistency: 0.15, …)`. It becomes a
+//! component of its phase's entity. Two kinds can be registered:
+//!
+//! - a [`FlowCurve`] is a pure function μ(γ̇, p); one generic system applies it to the particles of its phases
+//!   ([`register_rheology`](crate::app::StoreggaApp::register_rheology));
+//! - a rheology with a memory brings a system of its own, which may own per-particle columns and reads Δt from the
+//!   [`Clock`](crate::clock::Clock)
+//!   ([`register_rheology_system`](crate::app::StoreggaApp::register_rheology_system)).
+
+mod herschel_bulkley;
+mod newtonian;
+mod registry;
+
+pub use herschel_bulkley::{HerschelBulkley, Regularisation};
+pub use newtonian::Newtonian;
+pub use registry::{FlowCurve, Rheology, RheologyFacts, RheologyRegistry, apply_flow_curve};
+
+use bevy_app::{App, Plugin};
+
+use crate::app::StoreggaApp;
+
+/// The paper's rheologies.
+pub struct RheologyPlugin;
+
+impl Plugin for RheologyPlugin {
+    fn build(&self, app: &mut App) {
+        app.register_rheology::<Newtonian>("Newtonian").register_rheology::<HerschelBulkley>("HerschelBulkley");
+    }
+}

@@ -1,0 +1,35 @@
+//! A Newtonian fluid: μ is constant.
+
+use bevy_ecs::prelude::Component;
+use serde::{Deserialize, Serialize};
+
+use super::{FlowCurve, Rheology};
+use crate::scene::Invalid;
+
+/// `μ = const`.
+#[derive(Component, Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Newtonian {
+    /// Dynamic viscosity μ (Pa s).
+    pub viscosity: f64,
+}
+
+impl Rheology for Newtonian {
+    fn check(&self) -> Result<(), Invalid> {
+        if self.viscosity < 0.0 {
+            let message = format!("the dynamic viscosity must not be negative, got {} Pa s", self.viscosity);
+            return Err(Invalid::new("viscosity", message));
+        }
+        Ok(())
+    }
+
+    fn greatest_viscosity(&self) -> f64 {
+        self.viscosity
+    }
+}
+
+impl FlowCurve for Newtonian {
+    fn viscosity(&self, _: f64, _: f64) -> f64 {
+        self.viscosity
+    }
+}

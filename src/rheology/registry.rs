@@ -1,0 +1,127 @@
+//! The contract of a rheology, and the registry through which scenes name them.
+
+use bevy_ecs::component::Mutable;
+use bevy_ecs::prelude::*;
+use rayon::prelude::*;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use crate::error::UserError;
+use crate::particles::{Fluid, GRAIN, PhaseIndex, Pressure, ShearRate, Viscosity};
+use crate::phases::Phase;
+use crate::scene::{Document, Invalid, Named, flatten};
+
+/// Parameters of a rheology: what a scene writes behind its name, and a component of its phase.
+pub trait Rheology: Component<Mutability = Mutable> + Serialize + DeserializeOwned + Clone {
+    /// Refuses parameters that make no physical sense.
+    ///
+    /// # Errors
+    /// The first such parameter.
+    fn check(&self) -> Result<(), Invalid>;
+
+    /// The greatest dynamic viscosity (Pa s) that it can give: it limits the time step.
+    fn greatest_viscosity(&self) -> f64;
+}
+
+/// A rheology without a memory: a pure function of shear rate and pressure.
+pub trait FlowCurve: Rheology {
+    /// Dynamic viscosity μ (Pa s) at shear rate γ̇ (1/s) and pressure p (Pa).
+    fn viscosity(&self, shear_rate: f64, pressure: f64) -> f64;
+}
+
+/// What a phase keeps of its rheology, whatever its type.
+#[derive(Debug, Clone)]
+pub struct RheologyFacts {
+    /// Name by which the scene called it.
+    pub name: String,
+    /// Greatest viscosity (Pa s).
+    pub greatest_viscosity: f64,
+    /// Every parameter with its value.
+    pub parameters: Vec<(String, String)>,
+    /// Parameters that the scene left open, with the values they took.
+    pub defaults: Vec<(String, String)>,
+}
+
+type Read = fn(&Document, &Named<'_>, &str, &mut EntityWorldMut) -> Result<RheologyFacts, UserError>;
+
+/// The rheologies that a scene can name.
+#[derive(Resource, Default)]
+pub struct RheologyRegistry {
+    entries: Vec<(String, Read)>,
+}
+
+impl RheologyRegistry {
+    pub(crate) fn register<R: Rheology>(&mut self, name: &str) {
+        self.entries.retain(|(known, _)| known != name);
+        self.entries.push((name.to_owned(), read::<R>));
+    }
+
+    /// Number of rheologies registered so far.
+    pub(crate) fn len(&self) -> usize {
+        self.entries.len()
+    }
+
+    /// Reads the rheology at `path` of the scene and gives it to the phase `entity`.
+    ///
+    /// # Errors
+    /// An unknown name, or parameters that are wrong.
+    pub(crate) fn read(
+        &self,
+        document: &Document,
+        path: &str,
+        entity: &mut EntityWorldMut,
+    ) -> Result<RheologyFacts, UserError> {
+        let Some(node) = document.node(path) else {
+            return Err(document.invalid(&Invalid::new(path, "a rheology is needed here")));
+        };
+        let named = document.named(node)?;
+        let Some((name, read)) = self.entries.iter().find(|(known, _)| known == named.name) else {
+            let known: Vec<&str> = self.entries.iter().map(|(known, _)| known.as_str()).collect();
+            return Err(document.unknown_name_error(named.span, "rheology", named.name, &known));
+        };
+        Ok(RheologyFacts { name: name.clone(), ..read(document, &named, path, entity)? })
+    }
+}
+
+fn read<R: Rheology>(
+    document: &Document,
+    named: &Named<'_>,
+    path: &str,
+    entity: &mut EntityWorldMut,
+) -> Result<RheologyFacts, UserError> {
+    let rheology: R = document.read_body(named)?;
+    rheology.check().map_err(|invalid| document.invalid(&invalid.under(path)))?;
+    let facts = RheologyFacts {
+        name: String::new(),
+        greatest_viscosity: rheology.greatest_viscosity(),
+        parameters: flatten(path, &rheology),
+        defaults: document.defaults(path, &rheology),
+    };
+    entity.insert(rheology);
+    Ok(facts)
+}
+
+/// Applies a [`FlowCurve`] to the particles of every phase that has it.
+pub fn apply_flow_curve<R: FlowCurve>(
+    mut models: Local<Vec<Option<R>>>,
+    phases: Query<(&Phase, Option<&R>)>,
+    mut fluid: Query<(&PhaseIndex, &ShearRate, &Pressure, &mut Viscosity), With<Fluid>>,
+) -> Result {
+    models.clear();
+    models.resize(phases.iter().len(), None);
+    for (phase, model) in &phases {
+        models[phase.index as usize] = model.cloned();
+    }
+    let models = &*models;
+    for (phase, shear_rate, pressure, mut viscosity) in fluid.contiguous_iter_mut()? {
+        (phase, shear_rate, pressure, viscosity.bypass_change_detection())
+            .into_par_iter()
+            .with_min_len(GRAIN)
+            .for_each(|(phase, shear_rate, pressure, viscosity)| {
+                if let Some(model) = &models[phase.0 as usize] {
+                    viscosity.0 = model.viscosity(shear_rate.0, pressure.0);
+                }
+            });
+    }
+    Ok(())
+}

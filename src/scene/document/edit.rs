@@ -1,0 +1,104 @@
+//! Overrides of single values from the command line: `--set path=value`.
+
+use std::ops::Range;
+
+use super::names::{quoted, suggestion};
+use super::tree::{Kind, Node, Scalar};
+use super::{Document, UserError};
+
+impl Document {
+    /// The document with the override `path=value`.
+    pub fn set_pair(&self, pair: &str) -> Result<Self, UserError> {
+        match pair.split_once('=') {
+            Some((path, value)) if !path.trim().is_empty() => self.set(path.trim(), value),
+            _ => Err(UserError::plain(format!("--set {pair}: expected `path=value`"))
+                .help("for example --set fluids.0.density=1000")),
+        }
+    }
+
+    /// The document with the value at `path` replaced, or added if only what it belongs to exists.
+    ///
+    /// The value is written as in a scene; where a text stood, the quotes may be left out.
+    pub fn set(&self, path: &str, value: &str) -> Result<Self, UserError> {
+        let value = self.with_quotes(path, value.trim());
+        let parsed = Self::parse_value(&format!("--set {path}"), &value)?;
+        // Only the value itself: a comment behind it would swallow what follows in the scene.
+        let value = value.get(parsed.root.span.clone()).unwrap_or_default().to_owned();
+        let (span, new) = match self.node(path) {
+            Some(old) => (old.span.clone(), value.clone()),
+            None => self.insertion(path, &value)?,
+        };
+        let before = self.text.get(..span.start).unwrap_or_default();
+        let after = self.text.get(span.end..).unwrap_or_default();
+        let mut document = Self::parse(&self.file, &format!("{before}{new}{after}"))?;
+        document.overrides = self.overrides.clone();
+        document.overrides.push((path.to_owned(), value));
+        Ok(document)
+    }
+
+    /// Adds the quotes a text needs if the value it replaces is a text.
+    fn with_quotes(&self, path: &str, value: &str) -> String {
+        let old = self.node(path).map(|old| &old.unwrapped().kind);
+        let is_text = matches!(old, Some(Kind::Scalar(Scalar::Text(_))));
+        let is_written_out = ["\"", "r\"", "r#", "Some("].iter().any(|start| value.starts_with(start));
+        if !is_text || is_written_out || value == "None" {
+            return value.to_owned();
+        }
+        format!("\"{}\"", value.replace('\\', "\\\\").replace('"', "\\\""))
+    }
+
+    /// Where and how `path`, which does not exist, is added to what it belongs to.
+    fn insertion(&self, path: &str, value: &str) -> Result<(Range<usize>, String), UserError> {
+        let (node, rest) = self.deepest(path);
+        let parent = node.unwrapped();
+        let is_name = !rest.is_empty() && rest.chars().all(|letter| letter.is_alphanumeric() || letter == '_');
+        let entry = format!("{rest}: {value}");
+        let inserted = match &parent.kind {
+            _ if rest.contains('.') => None,
+            Kind::Struct { fields, .. } if is_name => {
+                fields.last().map(|last| (last.value.span.end, format!(", {entry}")))
+            }
+            Kind::Tuple { items, .. } if is_name && items.is_empty() => Some((parent.span.end - 1, entry)),
+            Kind::Scalar(Scalar::Name(_)) if is_name => Some((parent.span.end, format!("({entry})"))),
+            Kind::Map { entries } => Some(match entries.last() {
+                None => (parent.span.end - 1, format!("{rest:?}: {value}")),
+                Some(last) if last.is_quoted() => (last.value.span.end, format!(", {rest:?}: {value}")),
+                Some(last) => (last.value.span.end, format!(", {entry}")),
+            }),
+            _ => None,
+        };
+        match inserted {
+            Some((position, new)) => Ok((position..position, new)),
+            None => Err(self.no_such_path(path, value, node, rest)),
+        }
+    }
+
+    /// The error for a path whose component at the start of `rest` does not exist in `node`.
+    fn no_such_path(&self, path: &str, value: &str, node: &Node, rest: &str) -> UserError {
+        let missing = rest.split('.').next().unwrap_or_default();
+        let above = path.strip_suffix(rest).unwrap_or_default().trim_end_matches('.');
+        let place = if above.is_empty() { "the scene".to_owned() } else { format!("`{above}`") };
+        let parent = node.unwrapped();
+        let names: Vec<&str> = parent.fields().iter().map(|field| field.key.as_str()).collect();
+        let contents = match (&parent.kind, parent.items().len()) {
+            (Kind::Struct { .. } | Kind::Map { .. }, _) if !names.is_empty() => format!("it has {}", quoted(&names)),
+            (Kind::List(_) | Kind::Tuple { .. }, 1) => "it has 1 item, 0".to_owned(),
+            (Kind::List(_) | Kind::Tuple { .. }, count @ 2..) => format!("it has {count} items, 0 to {}", count - 1),
+            (Kind::Scalar(_), _) => format!("it is {}", parent.describe(&self.text)),
+            _ => "it is empty".to_owned(),
+        };
+        let error = UserError::plain(format!("--set {path}={value}: {place} has no `{missing}`; {contents}"));
+        match suggestion(missing, names) {
+            Some(help) => error.help(help),
+            None => error,
+        }
+    }
+
+    /// Bytes of the value at `path` together with its name.
+    pub(super) fn entry_span(&self, path: &str) -> Option<Range<usize>> {
+        let (above, last) = path.rsplit_once('.').unwrap_or(("", path));
+        let field = self.node(above)?.field(last);
+        let start = |node: &Node| field.map_or(node.span.start, |field| field.key_span.start);
+        self.node(path).map(|node| start(node)..node.span.end)
+    }
+}

@@ -1,0 +1,26 @@
+//! Shapes of a scene and the particles that fill or surround them.
+//!
+//! A [`Shape`] says where fluid, walls and structures are. [`lattice`] fills it with fluid particles,
+//! [`ghost_layers`] lines it with the ghost particles of a wall and [`solid_particles`] fills it as a structure.
+//! Everything is in metres; a two-dimensional scene is the plane z = 0.
+
+mod axis;
+mod body;
+mod check;
+mod distance;
+mod fill;
+mod layers;
+mod point;
+mod polygon;
+mod rings;
+mod rows;
+mod shape;
+#[cfg(test)]
+mod test_support;
+
+pub use body::{SolidParticle, solid_particles};
+pub(crate) use check::coordinates;
+pub use fill::{LatticeIndex, LatticePoint, lattice};
+pub use layers::{Side, ghost_layers};
+pub use point::Point;
+pub use shape::{Axis, Shape};

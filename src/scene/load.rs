@@ -1,0 +1,47 @@
+//! From a scene's text to entities.
+
+use bevy_ecs::prelude::*;
+use serde::de::IgnoredAny;
+use serde::{Deserialize, Deserializer};
+
+use super::header::load_header;
+use super::{Document, Header, SectionRegistry};
+use crate::error::UserError;
+use crate::particles::ParticleColumns;
+use crate::schedule::install_stages;
+
+/// The scene as written, with its overrides.
+#[derive(Resource, Debug, Clone)]
+pub struct SceneDocument(pub Document);
+
+/// A value that its owner reads later, by its path: one whose name decides its type.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Deferred;
+
+impl<'de> Deserialize<'de> for Deferred {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        IgnoredAny::deserialize(deserializer).map(|_| Self)
+    }
+}
+
+/// Reads every section of a scene into `world` and puts the stages of its dimension into the step schedule.
+///
+/// # Errors
+/// What the user got wrong, with its place.
+pub fn load_scene(world: &mut World, document: Document) -> Result<(), UserError> {
+    let registry = world.resource::<SectionRegistry>().clone();
+    let known: Vec<&str> = Header::FIELDS.iter().copied().chain(registry.names()).collect();
+    document.require_known_fields("", &known)?;
+    world.insert_resource(SceneDocument(document.clone()));
+    load_header(&document, world)?;
+    registry.load_all(&document, world)?;
+    if let Err(unregistered) = ParticleColumns::check(world) {
+        return Err(UserError::plain(format!(
+            "a plugin put the component `{}` on fluid particles without registering it as a particle column",
+            unregistered.component
+        )));
+    }
+    let dimension = world.resource::<super::Resolution>().dimension;
+    install_stages(world, dimension);
+    Ok(())
+}

@@ -1,0 +1,28 @@
+//! Scenes: RON text, read strictly, and what becomes of it.
+
+pub mod document;
+mod fluids;
+pub mod geometry;
+mod header;
+mod hydrostatics;
+pub mod invalid;
+mod load;
+mod section;
+
+pub use document::{Document, Named, Node, flatten, nearest};
+pub use fluids::{FilledFluids, FluidSpec, FluidsSection, InitialPressure};
+pub use header::{Header, Periodic, Resolution, SceneInfo};
+pub use hydrostatics::{Column, Layer};
+pub use invalid::Invalid;
+pub use load::{Deferred, SceneDocument, load_scene};
+pub use section::{SceneFacts, SceneSection, SectionError, SectionRegistry};
+
+/// The complaint that nothing called `found` exists among the `known` names of `what`.
+#[must_use]
+pub fn unknown<'a>(path: &str, what: &str, found: &str, known: impl IntoIterator<Item = &'a str> + Clone) -> Invalid {
+    let mut names: Vec<&str> = known.clone().into_iter().collect();
+    names.sort_unstable();
+    let hint = nearest(found, known).map(|name| format!("; did you mean `{name}`?")).unwrap_or_default();
+    let list = if names.is_empty() { "there is none".to_owned() } else { format!("known: {}", names.join(", ")) };
+    Invalid::new(path, format!("no {what} is called `{found}`{hint} ({list})"))
+}

@@ -1,0 +1,115 @@
+//! Sections of a scene: what each plugin reads, and how it becomes entities and resources.
+
+use bevy_ecs::prelude::*;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use super::{Document, Invalid, flatten};
+use crate::error::UserError;
+
+/// Why a section could not be put into effect.
+#[derive(Debug)]
+pub enum SectionError {
+    /// A value of the section makes no sense; its path is relative to the section.
+    Invalid(Invalid),
+    /// A complaint that already knows its place.
+    User(UserError),
+}
+
+impl From<Invalid> for SectionError {
+    fn from(invalid: Invalid) -> Self {
+        Self::Invalid(invalid)
+    }
+}
+
+impl From<UserError> for SectionError {
+    fn from(error: UserError) -> Self {
+        Self::User(error)
+    }
+}
+
+/// A part of the scene that one plugin owns: a field of `Scene(…)` and the type it is read into.
+///
+/// Sections are read strictly (put `#[serde(deny_unknown_fields)]` on every struct and enum), checked, and spawned in
+/// the order in which they were registered, so that a later one finds what an earlier one made.
+pub trait SceneSection: Serialize + DeserializeOwned + Send + Sync + 'static {
+    /// Name of the field.
+    const NAME: &'static str;
+
+    /// The section of a scene that does not mention it; `None` if it has to.
+    #[must_use]
+    fn when_absent() -> Option<Self> {
+        None
+    }
+
+    /// Refuses values that make no physical sense.
+    ///
+    /// # Errors
+    /// The first such value, with its path inside the section.
+    fn check(&self, world: &World) -> Result<(), Invalid> {
+        let _ = world;
+        Ok(())
+    }
+
+    /// Puts the section into effect.
+    ///
+    /// # Errors
+    /// What turned out to be wrong only now.
+    fn spawn(self, world: &mut World) -> Result<(), SectionError>;
+}
+
+/// Every number that shapes a run, and which of them the scene left open.
+#[derive(Resource, Debug, Clone, Default)]
+pub struct SceneFacts {
+    /// Path and value of everything that the scene says or leaves at its default.
+    pub parameters: Vec<(String, String)>,
+    /// Path and value of what the scene left at its default.
+    pub defaults: Vec<(String, String)>,
+}
+
+impl SceneFacts {
+    /// Notes every value under `path`.
+    pub(crate) fn note<T: Serialize>(&mut self, document: &Document, path: &str, value: &T) {
+        self.parameters.extend(flatten(path, value));
+        self.defaults.extend(document.defaults(path, value));
+    }
+}
+
+type Load = fn(&Document, &mut World) -> Result<(), UserError>;
+
+/// The sections that a scene can have.
+#[derive(Resource, Default, Clone)]
+pub struct SectionRegistry {
+    entries: Vec<(&'static str, Load)>,
+}
+
+impl SectionRegistry {
+    pub(crate) fn register<S: SceneSection>(&mut self) {
+        self.entries.retain(|(name, _)| *name != S::NAME);
+        self.entries.push((S::NAME, load::<S>));
+    }
+
+    pub(super) fn names(&self) -> impl Iterator<Item = &'static str> {
+        self.entries.iter().map(|(name, _)| *name)
+    }
+
+    pub(super) fn load_all(&self, document: &Document, world: &mut World) -> Result<(), UserError> {
+        self.entries.iter().try_for_each(|(_, load)| load(document, world))
+    }
+}
+
+fn load<S: SceneSection>(document: &Document, world: &mut World) -> Result<(), UserError> {
+    let section: S = match (document.node(S::NAME), S::when_absent()) {
+        (Some(_), _) => document.read(S::NAME)?,
+        (None, Some(default)) => default,
+        (None, None) => {
+            return Err(document.invalid(&Invalid::new("", format!("the section `{}` is missing", S::NAME))));
+        }
+    };
+    section.check(world).map_err(|invalid| document.invalid(&invalid.under(S::NAME)))?;
+    world.get_resource_or_init::<SceneFacts>().note(document, S::NAME, &section);
+    section.spawn(world).map_err(|error| match error {
+        SectionError::Invalid(invalid) => document.invalid(&invalid.under(S::NAME)),
+        SectionError::User(error) => error,
+    })
+}

@@ -1,0 +1,125 @@
+//! The algorithm on one page: one step of the simulation is this list of stages, in this order.
+//!
+//! Each stage is one system in one file beside its equation. Two systems that write the same column without an order
+//! between them are refused when the schedule is built.
+
+use bevy_app::App;
+use bevy_ecs::prelude::*;
+use bevy_ecs::schedule::{
+    IntoScheduleConfigs, LogLevel, ScheduleBuildSettings, ScheduleConfigs, ScheduleLabel, SingleThreadedExecutor,
+};
+use bevy_ecs::system::ScheduleSystem;
+
+/// The schedule that advances the state by one time step.
+#[derive(ScheduleLabel, Debug, Clone, PartialEq, Eq, Hash)]
+pub struct Step;
+
+/// The schedule that runs whenever an output is due: probes measure, then channels write.
+#[derive(ScheduleLabel, Debug, Clone, PartialEq, Eq, Hash)]
+pub struct Output;
+
+/// The stages of one step (kick–drift–kick with one force evaluation), in the order in which they run.
+#[derive(SystemSet, Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Stage {
+    /// v ← v + ½Δt a ([`physics::integration`](crate::physics)).
+    FirstKick,
+    /// x ← x + Δt v; walls and structures move as prescribed.
+    Drift,
+    /// Neighbour lists, when particles have moved far enough to need new ones.
+    Neighbours,
+    /// ∇_iW_ij and W_ij of every listed pair (Eqs. 3, 4).
+    PairKernel,
+    /// Velocity of the ghosts, Eq. 16.
+    GhostVelocity,
+    /// Shear rate γ̇, Eq. 14.
+    StrainRate,
+    /// Viscosity μ(γ̇) of each phase, Eq. 13: one system a registered rheology.
+    Rheology,
+    /// dρ/dt, Eq. 5.
+    Continuity,
+    /// Diffusion of density D_i, added to dρ/dt, Eqs. 10 and 11.
+    Diffusion,
+    /// ρ ← ρ + Δt dρ/dt and p(ρ), Eq. 7.
+    State,
+    /// Pressure and volume of the ghosts, Eq. 15.
+    GhostPressure,
+    /// Pressure and viscous force between particles, Eqs. 6 and 12.
+    Momentum,
+    /// Gravity and whatever else acts on every particle by itself; damping of the settling phase.
+    BodyForce,
+    /// Force of the fluid on structures, Eqs. 17 and 18.
+    Loads,
+    /// v ← v + ½Δt a.
+    SecondKick,
+    /// The next Δt, Eq. 19, and the watch over divergence.
+    TimeStep,
+}
+
+/// The order of work when an output is due.
+#[derive(SystemSet, Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum OutputStage {
+    /// Probes read the state.
+    Measure,
+    /// Channels write to the log.
+    Write,
+}
+
+/// The systems of one stage, for each dimension that a scene may have.
+struct StageEntry {
+    stage: Stage,
+    two: ScheduleConfigs<ScheduleSystem>,
+    three: ScheduleConfigs<ScheduleSystem>,
+}
+
+/// The system that does each stage; the last one registered for a stage stands.
+///
+/// Not a resource: systems waiting for their schedule cannot be sent between threads. It exists until the scene is loaded.
+#[derive(Default)]
+pub struct Stages {
+    entries: Vec<StageEntry>,
+}
+
+impl Stages {
+    /// Puts `two` (in 2D scenes) and `three` (in 3D scenes) in charge of `stage`, in the place of what stood there.
+    pub fn set<A, B>(
+        &mut self,
+        stage: Stage,
+        two: impl IntoScheduleConfigs<ScheduleSystem, A>,
+        three: impl IntoScheduleConfigs<ScheduleSystem, B>,
+    ) {
+        self.entries.retain(|entry| entry.stage != stage);
+        self.entries.push(StageEntry { stage, two: two.into_configs(), three: three.into_configs() });
+    }
+}
+
+/// Empty step and output schedules with their order and their rules.
+pub(crate) fn init(app: &mut App) {
+    let rules = ScheduleBuildSettings { ambiguity_detection: LogLevel::Error, ..ScheduleBuildSettings::default() };
+    use Stage as S;
+    let order = (
+        (S::FirstKick, S::Drift, S::Neighbours, S::PairKernel, S::GhostVelocity, S::StrainRate, S::Rheology).chain(),
+        (S::Continuity, S::Diffusion, S::State, S::GhostPressure).chain(),
+        (S::Momentum, S::BodyForce, S::Loads, S::SecondKick, S::TimeStep).chain(),
+    );
+    let mut step = Schedule::new(Step);
+    step.configure_sets(order.chain());
+    let mut output = Schedule::new(Output);
+    output.configure_sets((OutputStage::Measure, OutputStage::Write).chain());
+    for mut schedule in [step, output] {
+        schedule.set_build_settings(rules.clone());
+        schedule.set_executor(SingleThreadedExecutor::default());
+        app.add_schedule(schedule);
+    }
+    app.world_mut().init_non_send::<Stages>();
+}
+
+/// Adds the system in charge of each stage to the step schedule, for a scene of `dimension` 2 or 3.
+pub(crate) fn install_stages(world: &mut World, dimension: usize) {
+    let stages = world.remove_non_send::<Stages>().unwrap_or_default();
+    world.schedule_scope(Step, |_, schedule| {
+        for entry in stages.entries {
+            let systems = if dimension == 2 { entry.two } else { entry.three };
+            schedule.add_systems(systems.in_set(entry.stage));
+        }
+    });
+}
