@@ -14,7 +14,7 @@ pub fn ghost_velocity(
     neighbours: Res<Neighbours>,
     fluid: Query<&Velocity, With<Fluid>>,
     mut walls: Query<(&WallVelocity, &mut GhostVelocity), With<Wall>>,
-    mut structures: Query<(&WallVelocity, &mut GhostVelocity), With<Solid>>,
+    mut structures: Query<(&WallVelocity, &mut GhostVelocity), (With<Solid>, Without<Wall>)>,
 ) -> Result {
     let velocity: &[Velocity] = columns(&fluid);
     let extrapolate = |list: &PairList, v_w: &[WallVelocity], v_b: &mut [GhostVelocity]| {

@@ -155,11 +155,16 @@ impl FluidsSection {
                 {
                     continue;
                 }
-                if let Some(other) = taken.insert(point.index, k) {
+                if let Some(&other) = taken.get(&point.index) {
+                    // A cell whose centre lies on the common edge of two fluids belongs to the first.
+                    if fluid.shape.signed_distance(point.position).abs() < 2.0 * EDGE * resolution.spacing {
+                        continue;
+                    }
                     let (other, x) = (&self.0[other].phase, point.position);
                     let message = format!("overlaps the fluid of phase `{other}` at {}; use a Difference", place(x));
                     return Err(Invalid::new(format!("{k}.shape"), message));
                 }
+                taken.insert(point.index, k);
                 seeds.push(Seed { index: point.index, position: point.position, fluid: k });
             }
             if seeds.len() == before {
