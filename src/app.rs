@@ -18,6 +18,7 @@ use crate::particles::{
     ReferenceDensity, ShearRate, Velocity, Viscosity,
 };
 use crate::physics::{Divergence, DivergenceReport};
+use crate::probes::{Probe, ProbeRegistry};
 use crate::rheology::{FlowCurve, Rheology, RheologyRegistry, apply_flow_curve};
 use crate::scene::{Document, SceneInfo, SceneSection, SectionRegistry, load_scene};
 use crate::schedule::{self, Output, Stage, Stages, Step};
@@ -49,6 +50,9 @@ pub trait StoreggaApp {
 
     /// Adds a system to a stage, beside the one in charge; order them with `before` and `after` if they share columns.
     fn add_to_stage<M>(&mut self, stage: Stage, systems: impl IntoScheduleConfigs<ScheduleSystem, M>) -> &mut Self;
+
+    /// Lets scenes name the probe `P`, which measures whenever series are due.
+    fn register_probe<P: Probe>(&mut self, name: &str) -> &mut Self;
 
     /// Gives scenes the section `S`.
     fn register_scene_section<S: SceneSection>(&mut self) -> &mut Self;
@@ -100,6 +104,11 @@ impl StoreggaApp for App {
         self.add_systems(Step, systems.in_set(stage))
     }
 
+    fn register_probe<P: Probe>(&mut self, name: &str) -> &mut Self {
+        ProbeRegistry::register::<P>(self, name);
+        self
+    }
+
     fn register_scene_section<S: SceneSection>(&mut self) -> &mut Self {
         self.world_mut().get_resource_or_init::<SectionRegistry>().register::<S>();
         self
@@ -127,6 +136,9 @@ impl PluginGroup for PaperPlugins {
             .add(crate::phases::PhasesPlugin)
             .add(crate::boundary::BoundaryPlugin)
             .add(FluidsPlugin)
+            .add(crate::probes::ProbesPlugin)
+            .add(crate::expect::ExpectPlugin)
+            .add(crate::log::LogPlugin)
     }
 }
 
@@ -238,7 +250,10 @@ fn write_outputs(world: &mut World) -> Result<(), End> {
         world.run_schedule(Output);
         world.resource_mut::<OutputTimes>().finish(time);
     }
-    Ok(())
+    match world.get_resource_mut::<crate::log::LogFailure>().and_then(|mut failure| failure.0.take()) {
+        Some(failure) => Err(End::LogFailed(failure)),
+        None => Ok(()),
+    }
 }
 
 /// The end time (s) that the scene asks for.

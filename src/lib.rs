@@ -27,8 +27,10 @@
 
 pub mod app;
 pub mod boundary;
+pub mod cli;
 pub mod clock;
 pub mod error;
+pub mod expect;
 pub mod kernels;
 pub mod log;
 pub mod neighbours;

@@ -63,6 +63,21 @@ impl OutputTimes {
         }
     }
 
+    /// Interval (s) of `kind`.
+    #[must_use]
+    pub fn interval(&self, kind: OutputKind) -> f64 {
+        match kind {
+            OutputKind::Frames => self.frames.interval,
+            OutputKind::Series => self.series.interval,
+        }
+    }
+
+    /// About how many outputs of `kind` a run to `end_time` (s) makes, to make room for; a million at most.
+    #[must_use]
+    pub fn expected(&self, kind: OutputKind, end_time: f64) -> usize {
+        (end_time / self.interval(kind)).clamp(0.0, 1e6) as usize + 4
+    }
+
     /// Marks what is due at `time` (s); whether anything is.
     pub(crate) fn begin(&mut self, time: f64) -> bool {
         for every in [&mut self.frames, &mut self.series] {

@@ -15,6 +15,9 @@
 //! no summary and must be read from its start (`mcap recover`, or a reader that does not seek).
 
 mod error;
+mod facts;
+mod frames;
+mod plugin;
 mod points;
 mod series;
 mod writer;
@@ -23,6 +26,10 @@ mod writer;
 mod tests;
 
 pub use error::LogError;
+pub use facts::{Fact, ParticleCounts, derived_numbers};
+pub use plugin::{Log, LogFailure, LogPlugin, LogSection, close_log, log_message, open_log};
 pub use points::{BODY_FIELDS, Column, FLUID_FIELDS, PointField, PointKind, PointsId};
 pub use series::{Field, SeriesId, Value};
 pub use writer::{Level, LogWriter};
+
+use facts::program_facts;

@@ -23,7 +23,8 @@ impl SeriesField {
 
 /// Rows of numbers over time. Every entity that has one gets a channel of its own in the log, and expectations can ask
 /// for it by its name: spawn one and [`push`](Series::push) rows in
-/// [`OutputStage::Measure`](crate::schedule::OutputStage::Measure) to log whatever a plugin measures.
+/// [`OutputStage::Measure`](crate::schedule::OutputStage::Measure), after [`ProbeSystems`](super::ProbeSystems), to log
+/// whatever a plugin measures.
 #[derive(Component, Debug, Clone, PartialEq)]
 pub struct Series {
     /// Name, unique in the run.

@@ -35,6 +35,8 @@ pub struct Document {
     text: Arc<str>,
     root: Node,
     overrides: Vec<(String, String)>,
+    /// The variant file that changed the scene, if it came from one.
+    variant: Option<Arc<Self>>,
 }
 
 /// A value `Name(…)` or `Name` whose name chooses what its body means.
@@ -64,12 +66,12 @@ impl Document {
     }
 
     /// Reads a text that is one value of any kind.
-    fn parse_value(file: &str, text: &str) -> Result<Self, UserError> {
+    pub(super) fn parse_value(file: &str, text: &str) -> Result<Self, UserError> {
         let text: Arc<str> = text.into();
         let root = tree::parse(&text).map_err(|error| {
             UserError::plain(error.message).at(file, Arc::clone(&text), error.span, "the text cannot be read from here")
         })?;
-        let document = Self { file: file.to_owned(), text, root, overrides: Vec::new() };
+        let document = Self { file: file.to_owned(), text, root, overrides: Vec::new(), variant: None };
         document.check(&document.root)?;
         // The tree comes from another reader of the same notation; both must agree that the text is sound.
         document.read_node::<IgnoredAny>(&document.root)?;
@@ -210,6 +212,9 @@ impl Document {
 
     fn complain(&self, complaint: Complaint) -> UserError {
         let Complaint { message, span, label, help } = complaint;
+        if let Some((variant, span)) = self.in_variant(&span) {
+            return variant.complain(Complaint { message, span, label, help });
+        }
         let origin = self.overrides.iter().rev().find(|(path, _)| {
             self.entry_span(path).is_some_and(|entry| entry.start <= span.start && span.end <= entry.end)
         });

@@ -8,14 +8,17 @@ mod hydrostatics;
 pub mod invalid;
 mod load;
 mod section;
+mod variant;
 
 pub use document::{Document, Named, Node, flatten, nearest};
 pub use fluids::{FilledFluids, FluidSpec, FluidsSection, InitialPressure};
+pub(crate) use fluids::vertical;
 pub use header::{Header, Periodic, Resolution, SceneInfo};
 pub use hydrostatics::{Column, Layer};
 pub use invalid::Invalid;
 pub use load::{Deferred, SceneDocument, load_scene};
 pub use section::{SceneFacts, SceneSection, SectionError, SectionRegistry};
+pub use variant::open_document;
 
 /// The complaint that nothing called `found` exists among the `known` names of `what`.
 #[must_use]

@@ -1,10 +1,12 @@
 //! Overrides of single values from the command line: `--set path=value`.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use super::names::{quoted, suggestion};
 use super::tree::{Kind, Node, Scalar};
 use super::{Document, UserError};
+use crate::scene::variant;
 
 impl Document {
     /// The document with the override `path=value`.
@@ -33,7 +35,42 @@ impl Document {
         let mut document = Self::parse(&self.file, &format!("{before}{new}{after}"))?;
         document.overrides = self.overrides.clone();
         document.overrides.push((path.to_owned(), value));
+        document.variant = self.variant.clone();
         Ok(document)
+    }
+
+    /// The document with the text of the top-level field `name` replaced, or added.
+    pub(in crate::scene) fn replace(&self, name: &str, value: &str) -> Result<Self, UserError> {
+        let (span, new) = match self.node(name) {
+            Some(old) => (old.span.clone(), value.to_owned()),
+            None => self.insertion(name, value)?,
+        };
+        let before = self.text.get(..span.start).unwrap_or_default();
+        let after = self.text.get(span.end..).unwrap_or_default();
+        let document = Self::parse(&self.file, &format!("{before}{new}{after}"))?;
+        Ok(Self { overrides: self.overrides.clone(), ..document })
+    }
+
+    /// The document, which `variant` changed: complaints about its changes point there.
+    pub(in crate::scene) fn with_variant(self, variant: Arc<Self>) -> Self {
+        Self { variant: Some(variant), ..self }
+    }
+
+    /// Where the text at `span` stands in the variant that brought it, if one did.
+    pub(super) fn in_variant(&self, span: &Range<usize>) -> Option<(&Self, Range<usize>)> {
+        let variant = self.variant.as_deref()?;
+        let contains = |outer: &Range<usize>| outer.start <= span.start && span.end <= outer.end;
+        if let (Some(here), Some(there)) = (self.node(variant::REPLACED), variant.node(variant::REPLACED)) {
+            let is_unchanged = self.text.get(here.span.clone()) == variant.text.get(there.span.clone());
+            if is_unchanged && contains(&here.span) {
+                let shifted = |byte: usize| byte - here.span.start + there.span.start;
+                return Some((variant, shifted(span.start)..shifted(span.end)));
+            }
+        }
+        // The variant's overrides come before those of the command line; the last that holds the place made it.
+        let holds = |(path, _): &(String, String)| self.entry_span(path).is_some_and(|entry| contains(&entry));
+        let index = self.overrides.iter().rposition(holds)?;
+        variant::sets(variant).into_iter().nth(index).map(|(_, set)| (variant, set.span))
     }
 
     /// Adds the quotes a text needs if the value it replaces is a text.

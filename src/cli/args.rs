@@ -1,0 +1,162 @@
+//! The arguments of the command line.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+
+/// Simulates submarine landslides, the waves they raise, and the forces with which they hit structures.
+#[derive(Debug, Parser)]
+#[command(
+    name = "storegga",
+    version,
+    after_help = "\
+Examples:
+  storegga run scenes/two_phase_tank.ron
+  storegga check scenes/two_phase_tank.ron --set spacing=0.002
+  storegga test
+
+Exit codes: 0 done, 1 an expectation failed, 2 wrong input, 3 the run diverged, 130 interrupted (Ctrl-C)."
+)]
+pub(super) struct Arguments {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub(super) enum Command {
+    /// Run a scene and write its log.
+    Run(RunArgs),
+    /// Say what a run of a scene would be like, without running it.
+    Check(CheckArgs),
+    /// Run scenes and compare them with their expectations.
+    Test(TestArgs),
+    /// List the scenes that are shipped.
+    Scenes(ScenesArgs),
+}
+
+/// Arguments of `storegga run`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  storegga run scenes/two_phase_tank.ron --set spacing=0.008 --until 0.5
+  storegga run scenes/two_phase_tank.ron --set phases.mud.rheology.yield_stress=500 --out runs/stiff.mcap
+  storegga run scenes/two_phase_tank.ron --json | jq .updates_per_s
+
+The log is an MCAP file: Foxglove opens it, and so does every MCAP library.")]
+pub(super) struct RunArgs {
+    /// Scene file.
+    pub scene: PathBuf,
+    #[command(flatten)]
+    pub overrides: Overrides,
+    /// End the run at this simulated time (s) instead of the scene's; expectations are checked only if that is not earlier.
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = positive_seconds)]
+    pub until: Option<f64>,
+    /// Log file; by default runs/<scene>.mcap. Its folder is made if it does not exist.
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub threads: Threads,
+    /// Print one JSON object to standard output, and nothing else there.
+    #[arg(long)]
+    pub json: bool,
+    /// No progress and no summary; errors and failed expectations still go to standard error.
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+/// Arguments of `storegga check`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Example:
+  storegga check scenes/two_phase_tank.ron --set spacing=0.002")]
+pub(super) struct CheckArgs {
+    /// Scene file.
+    pub scene: PathBuf,
+    #[command(flatten)]
+    pub overrides: Overrides,
+    #[command(flatten)]
+    pub threads: Threads,
+}
+
+/// Arguments of `storegga test`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  storegga test                                  every scene in scenes/ that has expectations
+  storegga test scenes/ci/*.ron                  these scenes
+  storegga test scenes/two_phase_tank.ron --set spacing=0.008
+
+Exit code 0 if every expectation is met, 1 if one is not.")]
+pub(super) struct TestArgs {
+    /// Scene files; by default all in the folder of scenes that have expectations.
+    pub scenes: Vec<PathBuf>,
+    #[command(flatten)]
+    pub folder: ScenesArgs,
+    #[command(flatten)]
+    pub overrides: Overrides,
+    #[command(flatten)]
+    pub threads: Threads,
+    /// No progress.
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+/// Arguments of `storegga scenes`.
+#[derive(Debug, Args)]
+pub(super) struct ScenesArgs {
+    /// Folder of the scenes.
+    #[arg(long = "scenes", value_name = "DIR", default_value = "scenes")]
+    pub folder: PathBuf,
+}
+
+/// Overrides of values of the scene.
+#[derive(Debug, Args)]
+pub(super) struct Overrides {
+    /// Override a value of the scene, such as spacing=0.008, fluids.0.velocity.1=0.5 or
+    /// phases.mud.rheology.yield_stress=500; can be given again and again.
+    #[arg(long = "set", value_name = "PATH=VALUE")]
+    pub set: Vec<String>,
+}
+
+/// Number of threads.
+#[derive(Debug, Args)]
+pub(super) struct Threads {
+    /// Number of threads; by default as many as the machine has. The results do not depend on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+}
+
+impl Threads {
+    /// The number asked for, or that of the machine.
+    pub fn count(&self) -> usize {
+        let available = || std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+        self.threads.map_or_else(available, usize::from)
+    }
+}
+
+fn positive_seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(seconds) if seconds > 0.0 && seconds.is_finite() => Ok(seconds),
+        _ => Err("expected a time in seconds greater than 0, such as 0.5".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn times_are_positive_and_finite() {
+        assert_eq!(positive_seconds("0.5"), Ok(0.5));
+        for wrong in ["0", "-1", "nan", "inf", "soon", ""] {
+            assert!(positive_seconds(wrong).is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! The one JSON object of `storegga run --json`.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use super::simulate::Outcome;
+use crate::app::End;
+use crate::expect::Check;
+
+/// What came out of a run. Units: m, s, 1/s; checks have that of their measure.
+pub(super) fn object(scene: &Path, log: &Path, outcome: &Outcome) -> Value {
+    let mut object = json!({
+        "scene": scene.display().to_string(),
+        "title": outcome.title,
+        "dimension": outcome.resolution.dimension,
+        "spacing": outcome.resolution.spacing,
+        "particles": {
+            "fluid": outcome.particles.fluid,
+            "wall": outcome.particles.wall,
+            "structure": outcome.particles.structure,
+        },
+        "end": match outcome.end {
+            End::Done => "done",
+            End::Diverged(_) => "diverged",
+            End::Interrupted => "interrupted",
+            End::LogFailed(_) => "log_failed",
+        },
+        "steps": outcome.clock.step,
+        "time": outcome.clock.time,
+        "wall_s": outcome.wall,
+        "updates_per_s": outcome.updates_per_second(),
+        "threads": outcome.threads,
+        "log": log.display().to_string(),
+        "checks": outcome.checks.iter().flatten().map(check).collect::<Vec<_>>(),
+    });
+    if let End::Diverged(report) = &outcome.end {
+        object["divergence"] = json!({
+            "time": report.time,
+            "step": report.step,
+            "particle": report.particle,
+            "position": report.position.to_array(),
+            "velocity": report.velocity.to_array(),
+            "density": report.density,
+            "pressure": report.pressure,
+            "reason": report.reason,
+        });
+    }
+    object
+}
+
+fn check(check: &Check) -> Value {
+    json!({
+        "name": check.name,
+        "value": check.value,
+        "expected": check.expected,
+        "tolerance": check.tolerance,
+        "pass": check.pass,
+        "note": check.note,
+    })
+}

@@ -1,0 +1,39 @@
+//! The command line: what `storegga run`, `check`, `test` and `scenes` do.
+//!
+//! [`main`] is the whole program for any set of plugins, so that a program of one's own with further plugins is
+//! `fn main() -> ExitCode { storegga::cli::main(|| MyPlugins) }`.
+
+mod args;
+mod check;
+mod estimate;
+mod exit;
+mod json;
+mod number;
+mod progress;
+mod run;
+mod scenes;
+mod simulate;
+mod summary;
+mod table;
+mod test;
+mod warnings;
+
+use std::process::ExitCode;
+
+use bevy_app::PluginGroup;
+use clap::Parser;
+
+use args::{Arguments, Command};
+
+/// The program: reads the command line, does what it says and returns the exit code: 0 done, 1 an expectation failed,
+/// 2 the user's input, 3 the run diverged, 101 a bug, 130 interrupted.
+pub fn main<P: PluginGroup>(plugins: fn() -> P) -> ExitCode {
+    exit::explain_panics();
+    let done = match Arguments::parse().command {
+        Command::Run(args) => run::run(&args, plugins),
+        Command::Check(args) => check::check(&args, plugins),
+        Command::Test(args) => test::test(&args, plugins),
+        Command::Scenes(args) => scenes::list(&args),
+    };
+    done.unwrap_or_else(|error| exit::report(&error))
+}

@@ -1,0 +1,80 @@
+//! `storegga run`.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use bevy_app::PluginGroup;
+
+use super::args::RunArgs;
+use super::exit::{self, complain, say};
+use super::progress::Progress;
+use super::simulate::{Outcome, Settings, simulate};
+use super::summary::{checks_table, divergence, summary};
+use super::{json, warnings};
+use crate::app::{End, open};
+use crate::error::UserError;
+use crate::scene::{Document, open_document};
+
+/// Runs a scene and writes its log.
+pub(super) fn run<P: PluginGroup>(args: &RunArgs, plugins: fn() -> P) -> Result<ExitCode, UserError> {
+    let document = open_document(&args.scene, &args.overrides.set)?;
+    let log = args.out.clone().unwrap_or_else(|| default_log(&args.scene));
+    let stop = exit::stop_on_interrupt();
+    let mut app = open(plugins(), document.clone())?;
+    make_folder(&log)?;
+    let warnings = warnings::warnings(app.world_mut());
+    if !args.quiet {
+        complain(&warnings::text(&warnings));
+    }
+    let settings = Settings { until: args.until, log: Some(&log), warnings, threads: args.threads.count() };
+    let outcome = simulate(&mut app, &settings, &stop, &mut Progress::new(args.quiet))?;
+    tell(args, &document, &log, &outcome);
+    Ok(ExitCode::from(match &outcome.end {
+        End::Diverged(_) => exit::DIVERGED,
+        End::Interrupted => exit::INTERRUPTED,
+        End::LogFailed(why) => return Err(UserError::plain(why.clone()).help("choose another place with --out")),
+        End::Done if !outcome.passes() => exit::FAILED,
+        End::Done => 0,
+    }))
+}
+
+/// Prints what came out: the result to standard output, what is wrong to standard error.
+fn tell(args: &RunArgs, document: &Document, log: &Path, outcome: &Outcome) {
+    if args.json {
+        say(&format!("{}\n", json::object(&args.scene, log, outcome)));
+    } else if !args.quiet {
+        say(&summary(&args.scene, log, outcome));
+    }
+    if let End::Diverged(report) = &outcome.end {
+        complain(&divergence(report, document, log, outcome));
+    }
+    if (args.json || args.quiet) && !outcome.passes() {
+        complain(&checks_table(outcome.checks.as_deref().unwrap_or_default()));
+    }
+}
+
+/// `runs/<scene>.mcap`.
+fn default_log(scene: &Path) -> PathBuf {
+    let name = scene.file_stem().unwrap_or(scene.as_os_str());
+    Path::new("runs").join(name).with_added_extension("mcap")
+}
+
+fn make_folder(log: &Path) -> Result<(), UserError> {
+    let Some(folder) = log.parent().filter(|folder| !folder.as_os_str().is_empty()) else { return Ok(()) };
+    fs::create_dir_all(folder).map_err(|error| {
+        let message = format!("cannot make the folder {} for the log: {error}", folder.display());
+        UserError::plain(message).help("choose another file with --out")
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_log_is_named_after_the_scene() {
+        assert_eq!(default_log(Path::new("scenes/tank.ron")), Path::new("runs/tank.mcap"));
+        assert_eq!(default_log(Path::new("tank.v2.ron")), Path::new("runs/tank.v2.mcap"));
+    }
+}

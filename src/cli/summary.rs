@@ -1,0 +1,121 @@
+//! What a run came to, in words.
+
+use std::fs;
+use std::path::Path;
+
+use super::number::{bytes, count, duration, short};
+use super::simulate::Outcome;
+use super::table::Table;
+use crate::app::End;
+use crate::expect::Check;
+use crate::physics::DivergenceReport;
+use crate::scene::Document;
+
+/// The summary of a run.
+pub(super) fn summary(scene: &Path, log: &Path, outcome: &Outcome) -> String {
+    let (clock, particles, resolution) = (&outcome.clock, &outcome.particles, &outcome.resolution);
+    let ending = match outcome.end {
+        End::Done => "done",
+        End::Diverged(_) => "diverged",
+        End::Interrupted => "interrupted",
+        End::LogFailed(_) => "the log failed",
+    };
+    let mean_step = if clock.step > 0 { clock.time / clock.step as f64 } else { 0.0 };
+    let mut text = format!(
+        "{}: {ending} at t = {} s\n  \
+         particles  {} fluid, {} wall, {} structure ({}D, spacing {} m)\n  \
+         steps      {}, mean time step {} s\n  \
+         duration   {} on {}, {} M updates/s\n  \
+         log        {}{}\n",
+        scene.display(),
+        short(clock.time),
+        count(particles.fluid as u64),
+        count(particles.wall as u64),
+        count(particles.structure as u64),
+        resolution.dimension,
+        short(resolution.spacing),
+        count(clock.step),
+        short(mean_step),
+        duration(outcome.wall),
+        threads(outcome.threads),
+        short(outcome.updates_per_second() * 1e-6),
+        log.display(),
+        fs::metadata(log).map(|data| format!(", {}", bytes(data.len() as f64))).unwrap_or_default(),
+    );
+    match &outcome.checks {
+        Some(checks) if !checks.is_empty() => text += &checks_table(checks),
+        None if outcome.has_expectations => {
+            text += "  expectations are not checked: the run ended before the end of the scene\n";
+        }
+        _ => {}
+    }
+    text
+}
+
+/// `1 thread`, `2 threads`.
+pub(super) fn threads(number: usize) -> String {
+    if number == 1 { "1 thread".to_owned() } else { format!("{number} threads") }
+}
+
+/// The expectations of one scene and how they came out.
+pub(super) fn checks_table(checks: &[Check]) -> String {
+    let mut table = Table::new(["check", "value", "expected", "tolerance", ""]);
+    checks.iter().for_each(|check| table.push(check_cells(check)));
+    table.render()
+}
+
+/// `pass` or `FAIL`.
+pub(super) fn verdict(pass: bool) -> &'static str {
+    if pass { "pass" } else { "FAIL" }
+}
+
+/// What happened to a diverged run, and what to try.
+pub(super) fn divergence(report: &DivergenceReport, document: &Document, log: &Path, outcome: &Outcome) -> String {
+    let DivergenceReport { time, step, particle, phase, position, velocity, density, pressure, reason } = report;
+    let phase = outcome.phases.get(*phase as usize).map_or("?", String::as_str);
+    format!(
+        "Error: the run diverged at t = {} s, in step {step}\n  \
+         particle {particle} of phase `{phase}`: {reason}\n  \
+         position {} m, velocity {} m/s, density {} kg/m³, pressure {} Pa\n{}  \
+         The log {} is closed and readable; its last frame is the state above.\n",
+        short(*time),
+        triple(position.to_array()),
+        triple(velocity.to_array()),
+        short(*density),
+        short(*pressure),
+        advice(velocity.length(), document, outcome),
+        log.display(),
+    )
+}
+
+/// What mostly helps against divergence.
+fn advice(speed: f64, document: &Document, outcome: &Outcome) -> String {
+    // A section that the scene does not have can only be set as a whole.
+    let set = |section: &str, field: &str, value: String| match document.node(section) {
+        Some(_) => format!("--set {section}.{field}={value}"),
+        None => format!("--set '{section}=({field}: {value})'"),
+    };
+    // A speed that has exploded says nothing about the flow.
+    let seen = if speed.is_finite() && speed < 100.0 * outcome.max_speed.max(1.0) { speed } else { 0.0 };
+    let speed = short((2.0 * outcome.max_speed).max(1.0).max(seen));
+    format!(
+        "  What to try:\n    \
+         a greater sound speed: {} (the greatest speed expected, in m/s; it was {})\n    \
+         a smaller time step: {} (it was {})\n    \
+         a smoother start: fluid that fits its walls (`storegga check`), or a `settling` phase\n",
+        set("equation_of_state", "max_speed", speed),
+        short(outcome.max_speed),
+        set("time_step", "sound", short(0.5 * outcome.sound_coefficient)),
+        short(outcome.sound_coefficient),
+    )
+}
+
+fn triple(values: [f64; 3]) -> String {
+    format!("({})", values.map(short).join(", "))
+}
+
+/// Name, value, expected value, tolerance and verdict of a check. What is expected says the unit.
+pub(super) fn check_cells(check: &Check) -> [String; 5] {
+    let value = if check.note.is_empty() { short(check.value) } else { format!("none: {}", check.note) };
+    [check.name.clone(), value, check.expected.clone(), check.tolerance.clone(), verdict(check.pass).to_owned()]
+}

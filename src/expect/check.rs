@@ -1,0 +1,213 @@
+//! The check of what was expected against what came out.
+
+use bevy_ecs::prelude::*;
+use serde::Serialize;
+
+use super::reference::Target;
+use super::take::{Sample, Take};
+use crate::probes::Series;
+
+/// An expectation, and how it came out.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Check {
+    /// What was checked, in words.
+    pub name: String,
+    /// The value that came out, in the unit of its series; NaN if there is none.
+    pub value: f64,
+    /// What it should be, with its unit.
+    pub expected: String,
+    /// How near it should be.
+    pub tolerance: String,
+    /// Whether it is.
+    pub pass: bool,
+    /// Why there is no value; empty if there is one.
+    pub note: String,
+}
+
+/// The expectations of the scene, ready to be checked.
+#[derive(Resource, Debug, Clone, Default)]
+pub(super) struct Expectations(pub(super) Vec<Resolved>);
+
+/// An expectation whose series is found and whose reference is known.
+#[derive(Debug, Clone)]
+pub(super) struct Resolved {
+    pub(super) name: String,
+    pub(super) series: Entity,
+    pub(super) field: usize,
+    pub(super) take: Take,
+    pub(super) target: Target,
+    pub(super) tolerance: Tolerance,
+}
+
+/// How near a value should be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Tolerance {
+    /// A fraction, and the difference that it allows.
+    Relative(f64, f64),
+    /// A difference in the unit of the series.
+    Absolute(f64),
+    /// The target is a range.
+    Range,
+}
+
+/// Whether the scene expects anything of its run.
+#[must_use]
+pub fn has_expectations(world: &World) -> bool {
+    world.get_resource::<Expectations>().is_some_and(|expectations| !expectations.0.is_empty())
+}
+
+/// Checks every expectation of the scene, in their order, against the series as they are.
+#[must_use]
+pub fn evaluate(world: &World) -> Vec<Check> {
+    let expectations = world.get_resource::<Expectations>();
+    expectations.into_iter().flat_map(|expectations| &expectations.0).map(|one| one.check(world)).collect()
+}
+
+impl Resolved {
+    fn check(&self, world: &World) -> Check {
+        let series = world.get::<Series>(self.series);
+        let samples: Vec<Sample> = series.map(|series| series.column(self.field).collect()).unwrap_or_default();
+        let unit = series.and_then(|series| series.fields.get(self.field)).map_or("", |field| field.unit.as_str());
+        let (value, note) = match self.value(&samples) {
+            Ok(value) if value.is_nan() => (value, "what was measured is not a number".to_owned()),
+            Ok(value) => (value, String::new()),
+            Err(why) => (f64::NAN, why),
+        };
+        Check {
+            name: self.name.clone(),
+            value,
+            expected: self.expected(unit),
+            tolerance: self.tolerance(unit),
+            pass: self.holds(value),
+            note,
+        }
+    }
+
+    /// The value to compare, or why there is none.
+    fn value(&self, samples: &[Sample]) -> Result<f64, String> {
+        match (&self.target, self.tolerance) {
+            (Target::Table(table, _), Tolerance::Absolute(_)) => table.compare(samples).map(|(rms, _)| rms),
+            (Target::Table(table, _), _) => table.compare(samples).map(|(rms, norm)| rms / norm),
+            _ => self.take.of(samples),
+        }
+    }
+
+    /// Whether `value` is near enough; NaN is not.
+    fn holds(&self, value: f64) -> bool {
+        let (least, greatest) = match (&self.target, self.tolerance) {
+            (Target::Between(least, greatest), _) => (*least, *greatest),
+            (Target::Number(number), Tolerance::Relative(_, d) | Tolerance::Absolute(d)) => (number - d, number + d),
+            (Target::Table(..), Tolerance::Relative(_, d) | Tolerance::Absolute(d)) => (0.0, d),
+            (Target::Number(number), Tolerance::Range) => (*number, *number),
+            (Target::Table(..), Tolerance::Range) => (0.0, 0.0),
+        };
+        (least..=greatest).contains(&value)
+    }
+
+    fn expected(&self, unit: &str) -> String {
+        match &self.target {
+            Target::Number(number) => format!("{} {unit}", rounded(*number)).trim_end().to_owned(),
+            Target::Between(least, greatest) => {
+                format!("{} … {} {unit}", rounded(*least), rounded(*greatest)).trim_end().to_owned()
+            }
+            Target::Table(table, file) => format!("{file} ({} rows)", table.len()),
+        }
+    }
+
+    fn tolerance(&self, unit: &str) -> String {
+        let sign = if matches!(self.target, Target::Table(..)) { "L2 ≤" } else { "±" };
+        match self.tolerance {
+            Tolerance::Relative(fraction, _) => format!("{sign} {} %", rounded(100.0 * fraction)),
+            Tolerance::Absolute(difference) => format!("{sign} {} {unit}", rounded(difference)).trim_end().to_owned(),
+            Tolerance::Range => String::new(),
+        }
+    }
+}
+
+/// The number to five significant digits.
+fn rounded(number: f64) -> f64 {
+    format!("{number:.4e}").parse().unwrap_or(number)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::probes::test_support::{TANK, TestApp, measured, opened, scene};
+
+    fn expecting(expectations: &str) -> String {
+        scene(TANK, &format!("expect: [{expectations}],"))
+    }
+
+    fn only(app: &TestApp) -> Check {
+        let mut checks = evaluate(app.0.world());
+        assert_eq!(checks.len(), 1);
+        checks.remove(0)
+    }
+
+    #[test]
+    fn a_scene_without_expectations_has_none() {
+        let app = measured(&scene(TANK, ""));
+        assert!(!has_expectations(app.0.world()) && evaluate(app.0.world()).is_empty());
+    }
+
+    #[test]
+    fn the_floor_of_the_tank_carries_the_weight() {
+        let app = measured(&expecting(
+            "(name: \"floor force\", of: \"floor.force_y\", is: FluidWeight, within: Relative(0.05))",
+        ));
+        assert!(has_expectations(app.0.world()));
+        let check = only(&app);
+        assert!(check.pass && check.value < -1700.0, "{check:?}");
+        assert_eq!((check.tolerance.as_str(), check.note.as_str()), ("± 5 %", ""));
+        assert!(check.expected.starts_with("-17") && check.expected.ends_with(" N"), "{check:?}");
+    }
+
+    #[test]
+    fn each_tolerance_has_its_edges() {
+        // The floor's area is 0.06 m².
+        for (rest, pass) in [
+            ("is: Number(0.05), within: Relative(0.21)", true),
+            ("is: Number(0.05), within: Relative(0.19)", false),
+            ("is: Number(0.05), within: Absolute(0.0101)", true),
+            ("is: Number(0.07), within: Absolute(0.0099)", false),
+            ("is: Between(0.05, 0.07)", true),
+            ("is: Between(0.061, 0.07)", false),
+        ] {
+            let app = measured(&expecting(&format!("(name: \"n\", of: \"floor.volume\", {rest})")));
+            assert_eq!(only(&app).pass, pass, "{rest}");
+        }
+    }
+
+    #[test]
+    fn a_window_that_was_not_reached_fails_with_a_reason() {
+        let app = measured(&expecting(
+            "(name: \"n\", of: \"floor.volume\", take: Mean(from: 0.5, to: 1), is: Number(0.06), within: Absolute(1))",
+        ));
+        let check = only(&app);
+        assert!(!check.pass && check.value.is_nan() && check.note.contains("leaves out 0.5 s"), "{check:?}");
+    }
+
+    #[test]
+    fn nothing_measured_and_no_number_fail() {
+        let expectation = "(name: \"n\", of: \"floor.volume\", is: Number(0.06), within: Absolute(1))";
+        assert_eq!(only(&opened(&expecting(expectation))).note, "nothing was measured");
+        let gauge = "probes: {\"dry\": SurfaceHeight(at: (0.9, 0))}, \
+             expect: [(name: \"n\", of: \"dry.height\", is: Between(-1, 1))],";
+        let check = only(&measured(&scene(TANK, gauge)));
+        assert!(!check.pass && check.note.contains("not a number"), "{check:?}");
+    }
+
+    #[test]
+    fn a_csv_file_lies_beside_its_scene() {
+        let path = std::env::temp_dir().join(format!("storegga-expect-{}.csv", std::process::id()));
+        assert!(std::fs::write(&path, "t,area\n0,0.05\n").is_ok());
+        // Absolute paths stay as they are; `test.ron` has no folder of its own.
+        let is = format!("is: Csv(file: {path:?}, time: \"t\", value: \"area\")");
+        for (within, value, pass) in [("Relative(0.21)", 0.2, true), ("Absolute(0.009)", 0.01, false)] {
+            let app = measured(&expecting(&format!("(name: \"n\", of: \"floor.volume\", {is}, within: {within})")));
+            let check = only(&app);
+            assert!((check.value - value).abs() < 1e-9 && check.pass == pass, "{check:?}");
+            assert!(check.expected.ends_with("(1 rows)"));
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! Series to compare with, from CSV files.
+
+use std::path::Path;
+
+use super::take::Sample;
+use crate::scene::Invalid;
+
+/// Columns of a CSV file with a line of names; lines that begin with `#` are skipped.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct CsvTable {
+    /// Time (s) and value of each row.
+    rows: Vec<Sample>,
+}
+
+impl CsvTable {
+    /// Reads the columns `time` and `value` of the file at `path`.
+    ///
+    /// # Errors
+    /// A file or a column that is missing, or the first row that is not one of finite numbers.
+    pub(super) fn read(path: &Path, time: &str, value: &str) -> Result<Self, Invalid> {
+        let shown = path.display();
+        let unreadable = |error: csv::Error| Invalid::new("file", format!("{shown} cannot be read: {error}"));
+        let mut reader =
+            csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_path(path).map_err(unreadable)?;
+        let names: Vec<String> = reader.headers().map_err(unreadable)?.iter().map(str::to_owned).collect();
+        let (time, value) = (column(&names, "time", time)?, column(&names, "value", value)?);
+        let mut rows = Vec::new();
+        for record in reader.records() {
+            let record = record.map_err(unreadable)?;
+            let line = record.position().map_or(0, csv::Position::line);
+            let number = |column: usize| {
+                let text = record.get(column).unwrap_or_default();
+                text.parse().ok().filter(|number: &f64| number.is_finite()).ok_or_else(|| {
+                    Invalid::new("file", format!("{shown}, line {line}: `{text}` in `{}` is no number", names[column]))
+                })
+            };
+            rows.push((number(time)?, number(value)?));
+        }
+        if rows.is_empty() {
+            return Err(Invalid::new("file", format!("{shown} has no rows")));
+        }
+        Ok(Self { rows })
+    }
+
+    /// Number of rows.
+    pub(super) fn len(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Root mean square `√(Σ (y_k − ŷ(t_k))²/n)` of the difference between the rows y_k and a series ŷ, linear between
+    /// its samples, and that of the rows themselves; or why there is none.
+    pub(super) fn compare(&self, samples: &[Sample]) -> Result<(f64, f64), String> {
+        let (mut error, mut norm) = (0.0, 0.0);
+        for &(t, y) in &self.rows {
+            error += (y - super::take::at(samples, t)?).powi(2);
+            norm += y * y;
+        }
+        let n = self.rows.len() as f64;
+        Ok(((error / n).sqrt(), (norm / n).sqrt()))
+    }
+}
+
+/// Index of the column that the field `field` calls `name`.
+fn column(names: &[String], field: &str, name: &str) -> Result<usize, Invalid> {
+    let known = names.iter().map(String::as_str);
+    names.iter().position(|known| known == name).ok_or_else(|| crate::scene::unknown(field, "column", name, known))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+    use std::path::PathBuf;
+
+    use super::*;
+
+    /// A file with this text, in a folder of its own.
+    fn file(name: &str, text: &str) -> PathBuf {
+        let folder = std::env::temp_dir().join(format!("storegga-csv-{}", std::process::id()));
+        let path = folder.join(name);
+        assert!(fs::create_dir_all(&folder).and_then(|()| fs::write(&path, text)).is_ok());
+        path
+    }
+
+    #[test]
+    fn columns_are_found_by_name_and_comments_skipped() {
+        let path = file("good.csv", "# digitised from Fig. 3\nt, x, y\n0.0, 1, 5\n# a gap\n1.0, 2, 7\n");
+        let table = CsvTable::read(&path, "t", "y");
+        assert_eq!(table, Ok(CsvTable { rows: vec![(0.0, 5.0), (1.0, 7.0)] }));
+        // A series of 6 and 7 differs by −1 and 0.
+        let compared = table.unwrap_or_default().compare(&[(0.0, 6.0), (2.0, 8.0)]);
+        assert_eq!(compared, Ok((0.5_f64.sqrt(), 37.0_f64.sqrt())));
+    }
+
+    #[test]
+    fn what_is_wrong_with_a_file_is_said_with_its_line() {
+        let complaint = |name: &str, text: &str, value: &str| {
+            CsvTable::read(&file(name, text), "t", value).err().map(|invalid| invalid.message).unwrap_or_default()
+        };
+        assert!(complaint("word.csv", "t,y\n# note\n0,1\n1,two\n", "y").contains("line 4: `two` in `y`"));
+        assert!(complaint("short.csv", "t,y\n0\n", "y").contains("cannot be read"));
+        assert!(complaint("empty.csv", "t,y\n", "y").contains("no rows"));
+        assert!(complaint("names.csv", "t,height\n0,1\n", "heigth").contains("did you mean `height`?"));
+        let missing = CsvTable::read(Path::new("/nowhere/x.csv"), "t", "y");
+        assert!(missing.is_err_and(|invalid| invalid.path == "file"));
+    }
+
+    #[test]
+    fn a_run_that_ended_too_early_cannot_be_compared() {
+        let table = CsvTable { rows: vec![(0.5, 1.0), (2.0, 1.0)] };
+        assert!(table.compare(&[(0.0, 1.0), (1.0, 1.0)]).is_err_and(|why| why.contains("leaves out 2 s")));
+    }
+}

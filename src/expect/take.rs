@@ -1,0 +1,153 @@
+//! One value of a series.
+
+use serde::{Deserialize, Serialize};
+
+use crate::scene::Invalid;
+
+/// Which value of a series counts. Between its samples a series is taken as linear.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Take {
+    /// The last sample.
+    #[default]
+    Last,
+    /// The value at a time (s).
+    At(f64),
+    /// The mean over a time.
+    Mean {
+        /// Start (s).
+        from: f64,
+        /// End (s).
+        to: f64,
+    },
+    /// The greatest sample.
+    Max,
+    /// The least sample.
+    Min,
+    /// The greatest value in a time.
+    MaxIn {
+        /// Start (s).
+        from: f64,
+        /// End (s).
+        to: f64,
+    },
+    /// The value at one time less that at an earlier one.
+    Change {
+        /// Earlier time (s).
+        from: f64,
+        /// Later time (s).
+        to: f64,
+    },
+}
+
+/// A time and the value at it.
+pub(super) type Sample = (f64, f64);
+
+/// Times count as equal if they differ by less than this (s) per second.
+const SAME_TIME: f64 = 1e-9;
+
+impl Take {
+    /// Refuses windows that end before they start.
+    pub(super) fn check(&self) -> Result<(), Invalid> {
+        match *self {
+            Self::Mean { from, to } | Self::MaxIn { from, to } | Self::Change { from, to } if from >= to => {
+                Err(Invalid::new("to", format!("must lie after `from`, got {from} and {to} s")))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The value, or why there is none.
+    pub(super) fn of(&self, samples: &[Sample]) -> Result<f64, String> {
+        let values = || samples.iter().map(|(_, value)| *value);
+        match *self {
+            Self::Last => values().next_back().ok_or_else(|| "nothing was measured".to_owned()),
+            Self::At(t) => at(samples, t),
+            Self::Mean { from, to } => Ok(mean(&window(samples, from, to)?)),
+            Self::Max => Ok(values().fold(f64::NAN, f64::max)),
+            Self::Min => Ok(values().fold(f64::NAN, f64::min)),
+            Self::MaxIn { from, to } => {
+                Ok(window(samples, from, to)?.into_iter().map(|(_, value)| value).fold(f64::NAN, f64::max))
+            }
+            Self::Change { from, to } => Ok(at(samples, to)? - at(samples, from)?),
+        }
+    }
+}
+
+/// The value at time `t` (s) by linear interpolation, or why there is none.
+pub(super) fn at(samples: &[Sample], t: f64) -> Result<f64, String> {
+    let (Some(first), Some(last)) = (samples.first(), samples.last()) else {
+        return Err("nothing was measured".to_owned());
+    };
+    let slack = SAME_TIME * t.abs().max(1.0);
+    if t < first.0 - slack || t > last.0 + slack {
+        return Err(format!("it was measured from {} to {} s only, which leaves out {t} s", first.0, last.0));
+    }
+    let k = samples.partition_point(|(time, _)| *time <= t);
+    let (Some(&(t0, v0)), Some(&(t1, v1))) = (k.checked_sub(1).and_then(|k| samples.get(k)), samples.get(k)) else {
+        return Ok(if k == 0 { first.1 } else { last.1 });
+    };
+    Ok(if t == t0 { v0 } else { v0 + (v1 - v0) * (t - t0) / (t1 - t0) })
+}
+
+/// The samples from `from` to `to` (s), both ends interpolated.
+fn window(samples: &[Sample], from: f64, to: f64) -> Result<Vec<Sample>, String> {
+    let (start, end) = (at(samples, from)?, at(samples, to)?);
+    let inside = samples.iter().copied().filter(|(t, _)| from < *t && *t < to);
+    Ok([(from, start)].into_iter().chain(inside).chain([(to, end)]).collect())
+}
+
+/// Mean over time of a series that is linear between its samples.
+fn mean(samples: &[Sample]) -> f64 {
+    let (mut integral, mut duration) = (0.0, 0.0);
+    for pair in samples.windows(2) {
+        let dt = pair[1].0 - pair[0].0;
+        integral += 0.5 * (pair[0].1 + pair[1].1) * dt;
+        duration += dt;
+    }
+    integral / duration
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// t² at uneven times.
+    const SAMPLES: [Sample; 5] = [(0.0, 0.0), (1.0, 1.0), (1.5, 2.25), (3.0, 9.0), (4.0, 16.0)];
+
+    fn take(take: Take) -> f64 {
+        take.of(&SAMPLES).unwrap_or(f64::NAN)
+    }
+
+    #[test]
+    fn values_are_those_of_the_broken_line() {
+        assert_eq!(take(Take::Last), 16.0);
+        assert_eq!(take(Take::At(1.0)), 1.0);
+        assert_eq!(take(Take::At(2.0)), 2.25 + 6.75 / 3.0);
+        assert_eq!((take(Take::Max), take(Take::Min)), (16.0, 0.0));
+        assert_eq!(take(Take::MaxIn { from: 0.0, to: 3.5 }), 12.5);
+        assert_eq!(take(Take::Change { from: 1.0, to: 4.0 }), 15.0);
+        // Trapezia: (0.5 + 0.8125 + 8.4375 + 12.5)/4, and one piece of one of them.
+        assert!((take(Take::Mean { from: 0.0, to: 4.0 }) - 22.25 / 4.0).abs() < 1e-12);
+        assert!((take(Take::Mean { from: 3.25, to: 3.75 }) - 12.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_time_that_was_not_reached_has_no_value() {
+        for take in [Take::At(4.1), Take::Mean { from: 3.0, to: 5.0 }, Take::Change { from: -1.0, to: 2.0 }] {
+            assert!(take.of(&SAMPLES).is_err_and(|why| why.contains("from 0 to 4 s")), "{take:?}");
+        }
+        assert!(Take::Last.of(&[]).is_err());
+    }
+
+    #[test]
+    fn rounding_does_not_lose_the_last_sample() {
+        assert_eq!(at(&[(0.0, 1.0), (0.3, 2.0)], 0.1 + 0.2), Ok(2.0));
+    }
+
+    #[test]
+    fn samples_without_a_number_do_not_hide_the_extremes() {
+        let samples = [(0.0, f64::NAN), (1.0, 3.0), (2.0, 1.0)];
+        assert_eq!((Take::Max.of(&samples), Take::Min.of(&samples)), (Ok(3.0), Ok(1.0)));
+    }
+}

@@ -1,0 +1,104 @@
+//! Centre of mass of a phase.
+
+use bevy_ecs::prelude::*;
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+use super::parameters::{direction, phase};
+use super::{Probe, SeriesField, State};
+use crate::particles::{Fluid, Mass, PhaseIndex, Position};
+use crate::scene::Invalid;
+use crate::scene::geometry::Point;
+
+/// Centre of mass `Σ m x / Σ m` of a phase, its velocity `Σ m v / Σ m`, and how far it has gone since the start.
+///
+/// Along a periodic axis, where particles re-enter, only the velocity means something.
+#[derive(Component, Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CenterOfMass {
+    /// Name of the phase.
+    pub phase: String,
+    /// Direction along which the displacement counts; its length does not matter. `None` for its magnitude.
+    #[serde(default)]
+    pub direction: Option<Point>,
+    #[serde(skip)]
+    index: u32,
+    #[serde(skip)]
+    start: DVec3,
+    #[serde(skip)]
+    along: Option<DVec3>,
+}
+
+impl Probe for CenterOfMass {
+    fn description(&self) -> String {
+        format!("centre of mass of the phase `{}`", self.phase)
+    }
+
+    fn fields(&self) -> Vec<SeriesField> {
+        let position = ["x", "y", "z"].map(|axis| SeriesField::new(axis, "m", format!("{axis} of the centre of mass")));
+        let velocity = ["vx", "vy", "vz"].map(|axis| SeriesField::new(axis, "m/s", "velocity of the centre of mass"));
+        let displacement = SeriesField::new("displacement", "m", "way from the start (along the direction, if given)");
+        position.into_iter().chain(velocity).chain([displacement]).collect()
+    }
+
+    fn prepare(&mut self, world: &mut World) -> Result<(), Invalid> {
+        self.index = phase(world, &self.phase)?;
+        self.along = self.direction.map(|point| direction(world, point)).transpose()?;
+        let mut fluid = world.query_filtered::<(&PhaseIndex, &Mass, &Position), With<Fluid>>();
+        let own = fluid.iter(world).filter(|(phase, ..)| phase.0 == self.index);
+        let (mass, moment) = own.fold((0.0, DVec3::ZERO), |(mass, moment), (_, m, x)| (mass + m.0, moment + m.0 * x.0));
+        if mass == 0.0 {
+            return Err(Invalid::new("phase", format!("no fluid is of the phase `{}`", self.phase)));
+        }
+        self.start = moment / mass;
+        Ok(())
+    }
+
+    fn measure(&mut self, state: &State<'_>, row: &mut [f64]) {
+        let fluid = &state.fluid;
+        let (mut mass, mut moment, mut momentum) = (0.0, DVec3::ZERO, DVec3::ZERO);
+        for i in fluid.rows_of(self.index) {
+            let m = fluid.mass[i].0;
+            mass += m;
+            moment += m * fluid.position[i].0;
+            momentum += m * fluid.velocity[i].0;
+        }
+        let (x, v) = (moment / mass, momentum / mass);
+        let way = x - self.start;
+        row[..3].copy_from_slice(&x.to_array());
+        row[3..6].copy_from_slice(&v.to_array());
+        row[6] = self.along.map_or(way.length(), |n| way.dot(n));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use crate::probes::test_support::{TANK, complaint, opened, scene};
+
+    #[test]
+    fn a_phase_moved_as_a_whole_has_moved_so_far() {
+        let probes = r#"probes: {
+            "c": CenterOfMass(phase: "water"), "d": CenterOfMass(phase: "water", direction: (0, 2)),
+        },"#;
+        let mut app = opened(&scene(TANK, probes));
+        app.move_fluid(|x| x + DVec3::new(0.03, -0.04, 0.0));
+        app.set_fluid(|_, v, _, _| *v = DVec3::new(1.0, 2.0, 0.0));
+        app.measure();
+        app.assert("c.x", 0.23, 1e-12);
+        app.assert("c.vx", 1.0, 1e-12);
+        app.assert("c.vy", 2.0, 1e-12);
+        app.assert("c.displacement", 0.05, 1e-12);
+        app.assert("d.displacement", -0.04, 1e-12);
+        // Compressed by its own weight, the water is a little heavier below the middle.
+        let y = app.value("c.y").unwrap_or_default();
+        assert!(y < 0.26 && y > 0.259, "{y}");
+    }
+
+    #[test]
+    fn a_phase_without_fluid_has_no_centre() {
+        let fields = TANK.replace("(phase: \"brine\"", "(phase: \"water\"");
+        assert!(complaint(&scene(&fields, "probes: {\"c\": CenterOfMass(phase: \"brine\")},")).contains("no fluid is"));
+    }
+}

@@ -1,0 +1,99 @@
+//! Compression of the fluid, and particles that went where no fluid goes.
+
+use bevy_ecs::prelude::*;
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+use super::{Probe, SeriesField, State};
+use crate::boundary::{BodyShape, Motion};
+use crate::scene::geometry::Shape;
+use crate::scene::{FilledFluids, Invalid};
+
+/// Compression `|ρ/ρ0 − 1|` of the fluid, the greatest and the root mean square over particles, and two counts of
+/// particles:
+///
+/// - `lost`: outside the box that bounds all walls, their openings, structures and fluids of the start;
+/// - `inside_wall`: deeper than half a spacing in a wall or structure that does not move.
+#[derive(Component, Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DensityError {
+    #[serde(skip)]
+    bounds: (DVec3, DVec3),
+    #[serde(skip)]
+    still: Vec<BodyShape>,
+}
+
+/// Depth (in spacings) in a body below which a particle counts as inside.
+const DEPTH: f64 = 0.5;
+
+impl Probe for DensityError {
+    fn description(&self) -> String {
+        "compression of the fluid and particles gone astray".to_owned()
+    }
+
+    fn fields(&self) -> Vec<SeriesField> {
+        vec![
+            SeriesField::new("greatest", "", "greatest |rho/rho0 - 1|"),
+            SeriesField::new("rms", "", "root mean square of rho/rho0 - 1"),
+            SeriesField::new("lost", "", "particles outside the bounds of the scene"),
+            SeriesField::new("inside_wall", "", "particles deeper than half a spacing in a body that does not move"),
+        ]
+    }
+
+    fn prepare(&mut self, world: &mut World) -> Result<(), Invalid> {
+        let mut shapes: Vec<Shape> =
+            world.resource::<FilledFluids>().fluids.iter().map(|(shape, _)| shape.clone()).collect();
+        let mut bodies = world.query::<(&BodyShape, &Motion)>();
+        self.still.clear();
+        for (body, motion) in bodies.iter(world) {
+            shapes.push(body.shape.clone());
+            shapes.extend(body.cut.clone());
+            if *motion == Motion::Still {
+                self.still.push(body.clone());
+            }
+        }
+        self.bounds = Shape::Union(shapes).bounds();
+        Ok(())
+    }
+
+    fn measure(&mut self, state: &State<'_>, row: &mut [f64]) {
+        let fluid = &state.fluid;
+        let (mut greatest, mut sum, mut lost, mut inside): (f64, f64, u32, u32) = (0.0, 0.0, 0, 0);
+        for i in fluid.rows() {
+            let compression = fluid.density[i].0 / fluid.reference_density[i].0 - 1.0;
+            greatest = greatest.max(compression.abs());
+            sum += compression * compression;
+            let x = state.periodic.wrap(fluid.position[i].0);
+            lost += u32::from(x.clamp(self.bounds.0, self.bounds.1) != x);
+            let depth = DEPTH * state.resolution.spacing;
+            inside += u32::from(self.still.iter().any(|body| body.clearance(x) < -depth));
+        }
+        let rms = (sum / fluid.rows().len() as f64).sqrt();
+        row.copy_from_slice(&[greatest, rms, f64::from(lost), f64::from(inside)]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use crate::probes::test_support::{TANK, opened, scene};
+
+    #[test]
+    fn compression_and_strays_are_counted() {
+        let mut app = opened(&scene(TANK, "probes: {\"rho\": DensityError},"));
+        app.set_fluid(|x, _, _, rho| *rho = if x.y < 0.2 { 1200.0 * 1.02 } else { 1000.0 * 0.99 });
+        app.move_fluid(|x| match (x.x, x.y) {
+            // Two particles through the side and one of them out of the scene; one into the floor.
+            (x0, y0) if x0 > 0.38 && y0 > 0.38 => DVec3::new(0.45, 0.3, 0.0),
+            (x0, y0) if x0 > 0.38 && y0 > 0.36 => DVec3::new(1.1, 0.3, 0.0),
+            (x0, y0) if x0 < 0.02 && y0 < 0.02 => DVec3::new(0.1, -0.011, 0.0),
+            _ => x,
+        });
+        app.measure();
+        app.assert("rho.greatest", 0.02, 1e-12);
+        app.assert("rho.rms", (0.5_f64 * (4e-4 + 1e-4)).sqrt(), 1e-12);
+        app.assert("rho.lost", 1.0, 0.0);
+        app.assert("rho.inside_wall", 3.0, 0.0);
+    }
+}

@@ -1,0 +1,78 @@
+//! Pressure at a point.
+
+use bevy_ecs::prelude::*;
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+use super::parameters::place;
+use super::{Probe, SeriesField, State};
+use crate::scene::Invalid;
+use crate::scene::geometry::Point;
+
+/// Pressure at a place x by the formula for ghosts (Eq. 15; Adami et al. 2012):
+///
+/// `p = [Σ_f p_f W_f + g·Σ_f ρ_f (x − x_f) W_f] / Σ_f W_f`
+///
+/// At rest it is exact up to the curvature of p over a kernel, on a wall and off it.
+#[derive(Component, Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PressurePoint {
+    /// The place (m).
+    pub at: Point,
+}
+
+impl Probe for PressurePoint {
+    fn description(&self) -> String {
+        "pressure at a point, Eq. 15".to_owned()
+    }
+
+    fn fields(&self) -> Vec<SeriesField> {
+        vec![SeriesField::new("pressure", "Pa", "pressure; no number where no fluid is near")]
+    }
+
+    fn prepare(&mut self, world: &mut World) -> Result<(), Invalid> {
+        place(world, "at", self.at).map(|_| ())
+    }
+
+    fn measure(&mut self, state: &State<'_>, row: &mut [f64]) {
+        let (mut sum_pw, mut sum_rho_r_w, mut sum_w) = (0.0, DVec3::ZERO, 0.0);
+        for (f, r, w) in state.around(self.at.position()) {
+            sum_pw += state.fluid.pressure[f].0 * w;
+            sum_rho_r_w += r * (state.fluid.density[f].0 * w);
+            sum_w += w;
+        }
+        if sum_w > 0.0 {
+            row[0] = (sum_pw + state.gravity.now.dot(sum_rho_r_w)) / sum_w;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::probes::test_support::{TANK, measured, opened, scene};
+
+    #[test]
+    fn a_column_at_rest_is_exact_on_the_floor_and_inside() {
+        let probes = r#"probes: {
+            "floor_pressure": PressurePoint(at: (0.2, 0)),
+            "side": PressurePoint(at: (0, 0.1)),
+            "above": PressurePoint(at: (0.2, 0.9)),
+        },"#;
+        let mut app = opened(&scene(TANK, probes));
+        // Incompressible on purpose: then the pressure is linear and the formula has no error.
+        app.set_fluid(|x, _, p, rho| {
+            *rho = if x.y < 0.2 { 1200.0 } else { 1000.0 };
+            *p = 9.81 * (1000.0 * (0.4 - x.y).min(0.2) + 1200.0 * (0.2 - x.y).max(0.0));
+        });
+        app.measure();
+        app.assert("floor_pressure.pressure", 9.81 * (200.0 + 240.0), 1e-9);
+        app.assert("side.pressure", 9.81 * (200.0 + 120.0), 1e-9);
+        assert!(app.value("above.pressure").is_some_and(f64::is_nan));
+    }
+
+    #[test]
+    fn the_start_of_a_run_is_hydrostatic() {
+        let mut app = measured(&scene(TANK, "probes: {\"p\": PressurePoint(at: (0.2, 0))},"));
+        app.assert("p.pressure", 9.81 * (200.0 + 240.0), 0.01 * 4316.0);
+    }
+}

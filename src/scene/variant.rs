@@ -1,0 +1,197 @@
+//! Opening scene files, and variants of scenes: the same scene, coarser.
+//!
+//! A variant is a file of its own:
+//!
+//! ```ron
+//! Variant(
+//!     of: "../two_phase_tank.ron",       // the scene, seen from this file
+//!     set: {"spacing": "0.008"},         // what --set would be given
+//!     expect: [],                        // in the place of the scene's own
+//! )
+//! ```
+//!
+//! Complaints about what the variant brought point to its file.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Component, Path, PathBuf};
+use std::sync::Arc;
+
+use super::document::{Kind, Node, Scalar};
+use super::{Document, nearest};
+use crate::error::UserError;
+
+/// The section of a scene that a variant replaces.
+pub(super) const REPLACED: &str = "expect";
+
+/// Fields of a variant.
+const FIELDS: [&str; 3] = ["of", "set", REPLACED];
+
+/// Reads the scene or variant at `path` and applies overrides `path=value` to it.
+///
+/// # Errors
+/// A file that is missing or malformed, or an override that does not fit.
+pub fn open_document(path: &Path, overrides: &[String]) -> Result<Document, UserError> {
+    let text = read_text(path)?;
+    let file = path.display().to_string();
+    let any = Document::parse_value(&file, &text)?;
+    let document =
+        if any.root().name() == Some("Variant") { compose(any, path)? } else { Document::parse(&file, &text)? };
+    overrides.iter().try_fold(document, |document, pair| document.set_pair(pair))
+}
+
+/// The scene that a variant describes.
+fn compose(variant: Document, path: &Path) -> Result<Document, UserError> {
+    variant.require_known_fields("", &FIELDS)?;
+    let of: String = variant.read("of")?;
+    let base = clean(&path.parent().unwrap_or(Path::new("")).join(&of));
+    let at_of = |message: &str| variant.error(span_of(&variant, "of"), message, "the scene that this is a variant of");
+    let text = read_text(&base).map_err(|error| {
+        let placed = at_of(error.message());
+        error.help_line().into_iter().fold(placed, |placed, help| placed.help(help))
+    })?;
+    let mut document = Document::parse(&base.display().to_string(), &text)?;
+    let variant = Arc::new(variant);
+    for (path, value) in sets(&variant) {
+        document = document.set(&path, &value.text).map_err(|error| {
+            let placed = variant.error(value.span, error.message(), "this override");
+            error.help_line().into_iter().fold(placed, |placed, help| placed.help(help))
+        })?;
+    }
+    if let Some(node) = variant.node(REPLACED) {
+        let text = variant.text().get(node.span.clone()).unwrap_or_default();
+        document = document.replace(REPLACED, text)?;
+    }
+    Ok(document.with_variant(variant))
+}
+
+/// An override in a variant, and where it stands there.
+pub(super) struct SetValue {
+    pub text: String,
+    pub span: std::ops::Range<usize>,
+}
+
+/// The overrides of a variant: a text holds what `--set` would be given, anything else stands for itself.
+pub(super) fn sets(variant: &Document) -> Vec<(String, SetValue)> {
+    let entries = variant.node("set").map(Node::unwrapped).map_or(&[][..], Node::fields);
+    let value = |node: &Node| match &node.kind {
+        Kind::Scalar(Scalar::Text(text)) => text.clone(),
+        _ => variant.text().get(node.span.clone()).unwrap_or_default().to_owned(),
+    };
+    let set = |node: &Node| SetValue { text: value(node), span: node.span.clone() };
+    entries.iter().map(|entry| (entry.key.clone(), set(&entry.value))).collect()
+}
+
+fn span_of(document: &Document, path: &str) -> std::ops::Range<usize> {
+    document.node(path).map_or(0..0, |node| node.span.clone())
+}
+
+fn read_text(path: &Path) -> Result<String, UserError> {
+    let bytes = fs::read(path).map_err(|error| {
+        let shown = UserError::plain(format!("cannot read {}: {error}", path.display()));
+        match similar_file(path) {
+            Some(near) => shown.help(format!("did you mean `{}`?", near.display())),
+            None => shown,
+        }
+    })?;
+    String::from_utf8(bytes).map_err(|_| UserError::plain(format!("{} is not a text in UTF-8", path.display())))
+}
+
+/// The file in the same folder whose name is nearest to that of a missing one.
+fn similar_file(path: &Path) -> Option<PathBuf> {
+    let name = path.file_name()?.to_string_lossy();
+    let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty());
+    let entries = fs::read_dir(folder.unwrap_or(Path::new("."))).ok()?;
+    let files = entries.filter_map(Result::ok).filter(|entry| entry.path().is_file());
+    // Names without their ending count too: `tank` is for `tank.ron`.
+    let names: BTreeMap<String, String> = files
+        .map(|entry| entry.file_name().to_string_lossy().into_owned())
+        .flat_map(|file| [(file.trim_end_matches(".ron").to_owned(), file.clone()), (file.clone(), file)])
+        .collect();
+    let found = nearest(&name, names.keys().map(String::as_str))?;
+    names.get(found).map(|file| folder.map_or(PathBuf::from(file), |folder| folder.join(file)))
+}
+
+/// `a/b/../c` as `a/c`, as far as the text goes.
+fn clean(path: &Path) -> PathBuf {
+    path.components().fold(PathBuf::new(), |mut clean, component| {
+        let is_folder = matches!(clean.components().next_back(), Some(Component::Normal(_)));
+        if component == Component::ParentDir && is_folder {
+            clean.pop();
+        } else {
+            clean.push(component);
+        }
+        clean
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A folder with a scene and a variant of it, removed at the end of the test.
+    struct Folder(PathBuf);
+
+    impl Folder {
+        fn new(name: &str, variant: &str) -> Self {
+            let folder = std::env::temp_dir().join(format!("storegga-variant-{}-{name}", std::process::id()));
+            fs::create_dir_all(folder.join("ci")).unwrap();
+            fs::write(folder.join("tank.ron"), "Scene(\n    title: \"a\",\n    spacing: 0.1,\n    expect: [1],\n)\n")
+                .unwrap();
+            fs::write(folder.join("ci/tank.ron"), variant).unwrap();
+            Self(folder)
+        }
+
+        fn open(&self, overrides: &[&str]) -> Result<Document, UserError> {
+            let overrides: Vec<String> = overrides.iter().map(|pair| (*pair).to_owned()).collect();
+            open_document(&self.0.join("ci/tank.ron"), &overrides)
+        }
+    }
+
+    impl Drop for Folder {
+        fn drop(&mut self) {
+            let _ = fs::remove_dir_all(&self.0);
+        }
+    }
+
+    #[test]
+    fn a_variant_sets_values_and_replaces_expectations() {
+        let folder = Folder::new(
+            "sets",
+            "Variant(of: \"../tank.ron\", set: {\"spacing\": \"0.2\", \"title\": \"b\"}, expect: [2])",
+        );
+        let document = folder.open(&["spacing=0.3"]).unwrap();
+        assert_eq!(document.read::<f64>("spacing"), Ok(0.3));
+        assert_eq!(document.read::<String>("title").unwrap(), "b");
+        assert_eq!(document.read::<Vec<u32>>("expect").unwrap(), [2]);
+        assert!(document.file().ends_with("tank.ron") && !document.file().contains(".."), "{}", document.file());
+    }
+
+    #[test]
+    fn errors_point_to_the_file_that_brought_them() {
+        let variant = "Variant(of: \"../tank.ron\",\n  set: {\"spacing\": -1},\n  expect: [wrong])";
+        let folder = Folder::new("errors", variant);
+        let document = folder.open(&[]).unwrap();
+        let expect = document.read::<Vec<u32>>("expect").unwrap_err().to_string();
+        assert!(expect.contains("ci/tank.ron:3:12"), "{expect}");
+        let spacing = document.invalid(&super::super::Invalid::new("spacing", "negative")).to_string();
+        assert!(spacing.contains("ci/tank.ron:2:20"), "{spacing}");
+        let title = document.invalid(&super::super::Invalid::new("title", "dull")).to_string();
+        assert!(!title.contains("ci/") && title.contains("tank.ron:2:12"), "{title}");
+        let overridden = folder.open(&["spacing=-2"]).unwrap();
+        let spacing = overridden.invalid(&super::super::Invalid::new("spacing", "negative")).to_string();
+        assert!(!spacing.contains("ci/"), "{spacing}");
+    }
+
+    #[test]
+    fn what_is_wrong_with_a_variant_is_said_there() {
+        for (name, variant, expected) in [
+            ("base", "Variant(of: \"../tnak.ron\")", "did you mean"),
+            ("path", "Variant(of: \"../tank.ron\", set: {\"spacng.x\": \"1\"})", "ci/tank.ron:1:46"),
+            ("field", "Variant(of: \"../tank.ron\", sets: {})", "`sets`"),
+        ] {
+            let error = Folder::new(name, variant).open(&[]).unwrap_err();
+            assert!(error.render(false).contains(expected), "{}", error.render(false));
+        }
+    }
+}

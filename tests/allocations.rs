@@ -1,0 +1,75 @@
+//! A step allocates nothing once it is warm.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use storegga::app::{PaperPlugins, StopFlag, open, run};
+use storegga::clock::Clock;
+use storegga::neighbours::Neighbours;
+use storegga::scene::Document;
+
+/// Counts what the system's allocator is asked for.
+struct Counting;
+
+static ALLOCATIONS: AtomicU64 = AtomicU64::new(0);
+
+// SAFETY: every call is passed on unchanged to the system's allocator.
+#[expect(unsafe_code, reason = "a global allocator cannot be written without it")]
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// A column of water that collapses on a structure, in a tank.
+const SCENE: &str = r#"Scene(
+    dimension: 2, spacing: 0.02, gravity: (0.0, -9.81), end_time: 10.0,
+    phases: {
+        "water": (reference_density: 1000.0, rheology: Newtonian(viscosity: 0.001)),
+        "mud": (reference_density: 1500.0, rheology: HerschelBulkley(
+            consistency: 1.0, exponent: 0.8, yield_stress: 10.0, max_viscosity: 10.0)),
+    },
+    fluids: [
+        (phase: "mud", shape: Box(min: (0.0, 0.0), max: (0.4, 0.3))),
+        (phase: "water", shape: Box(min: (0.0, 0.3), max: (0.4, 0.6))),
+    ],
+    walls: { "tank": (shape: Box(min: (0.0, 0.0), max: (1.0, 1.0))) },
+    structures: { "post": (shape: Circle(center: (0.6, 0.2), radius: 0.06)) },
+)"#;
+
+#[test]
+fn a_warm_step_allocates_nothing() {
+    let document = Document::parse("test.ron", SCENE).expect("a right scene");
+    let mut app = open(PaperPlugins, document).expect("a right scene");
+    let world = app.world_mut();
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("a thread pool");
+    let mut advance = |steps: u64| {
+        pool.install(|| {
+            let last = world.resource::<Clock>().step + steps;
+            let stop = StopFlag::default();
+            let (watched, mut during) = (stop.clone(), 0);
+            run(world, f64::INFINITY, &stop, |clock| {
+                if clock.step + steps == last + 1 {
+                    during = ALLOCATIONS.load(Ordering::Relaxed);
+                }
+                if clock.step >= last {
+                    during = ALLOCATIONS.load(Ordering::Relaxed) - during;
+                    watched.stop();
+                }
+            });
+            (during, world.resource::<Neighbours>().builds)
+        })
+    };
+    let (_, builds_before) = advance(400);
+    let (allocations, builds_after) = advance(200);
+    assert!(builds_after > builds_before + 2, "lists were hardly rebuilt: the test would miss that");
+    assert_eq!(allocations, 0, "in 200 steps");
+}

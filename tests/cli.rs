@@ -1,0 +1,295 @@
+//! The program as its users meet it: exit codes, messages, the JSON object, logs of runs that end in every way.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use mcap::MessageStream;
+use mcap::read::Options;
+use serde_json::Value;
+
+const TANK: &str = r#"Scene(
+    title: "A small tank",
+    dimension: 2,
+    spacing: 0.01,
+    gravity: (0.0, -9.81),
+    end_time: 0.05,
+    phases: {"water": (reference_density: 1000.0, rheology: Newtonian(viscosity: 0.001))},
+    walls: {"tank": (shape: Box(min: (0.0, 0.0), max: (0.2, 0.2)), slip: NoSlip)},
+    fluids: [(phase: "water", shape: Box(min: (0.0, 0.0), max: (0.2, 0.1)))],
+    log: (particles: 0.01, series: 0.005),
+)
+"#;
+
+/// A folder with the scene `tank.ron`, in which the program runs; removed at the end of the test.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str, scene: &str) -> Self {
+        let folder = std::env::temp_dir().join(format!("storegga-cli-{}-{name}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        fs::write(folder.join("tank.ron"), scene).unwrap();
+        Self(folder)
+    }
+
+    fn tank(name: &str) -> Self {
+        Self::new(name, TANK)
+    }
+
+    fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_storegga"));
+        command.args(arguments).current_dir(&self.0);
+        command
+    }
+
+    fn run(&self, arguments: &[&str]) -> Ran {
+        Ran(self.command(arguments).output().unwrap())
+    }
+
+    fn log(&self) -> PathBuf {
+        self.0.join("runs/tank.mcap")
+    }
+
+    /// Starts a run that would last for hours, and waits until its log has some frames.
+    fn start_long_run(&self) -> Child {
+        let arguments = ["run", "tank.ron", "--set", "end_time=10000.0", "--quiet", "--threads", "1"];
+        let child = self.command(&arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        let start = Instant::now();
+        while fs::metadata(self.log()).map_or(0, |data| data.len()) < 60_000 {
+            assert!(start.elapsed() < Duration::from_secs(60), "no log appears");
+            sleep(Duration::from_millis(20));
+        }
+        child
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+struct Ran(Output);
+
+impl Ran {
+    fn code(&self) -> Option<i32> {
+        self.0.status.code()
+    }
+
+    fn out(&self) -> String {
+        String::from_utf8_lossy(&self.0.stdout).into_owned()
+    }
+
+    fn err(&self) -> String {
+        String::from_utf8_lossy(&self.0.stderr).into_owned()
+    }
+
+    fn json(&self) -> Value {
+        serde_json::from_slice(&self.0.stdout).unwrap_or_else(|error| panic!("{error}: {}{}", self.out(), self.err()))
+    }
+
+    #[track_caller]
+    fn is_refused_with(&self, parts: &[&str]) {
+        assert_eq!(self.code(), Some(2), "{}", self.err());
+        assert_eq!(self.out(), "");
+        parts.iter().for_each(|part| assert!(self.err().contains(part), "{part} is not in\n{}", self.err()));
+    }
+}
+
+/// Number of messages of a topic in a log, whole or torn.
+fn messages(log: &Path, topic: &str) -> usize {
+    let bytes = fs::read(log).unwrap();
+    let stream = MessageStream::new_with_options(&bytes, Options::IgnoreEndMagic.into()).unwrap();
+    stream.map_while(Result::ok).filter(|message| message.channel.topic == topic).count()
+}
+
+fn is_finished(log: &Path) -> bool {
+    matches!(mcap::Summary::read(&fs::read(log).unwrap()), Ok(Some(_)))
+}
+
+#[test]
+fn a_run_ends_with_0_and_a_finished_log() {
+    let folder = Folder::tank("done");
+    let ran = folder.run(&["run", "tank.ron"]);
+    assert_eq!(ran.code(), Some(0), "{}", ran.err());
+    for part in ["done at t = 0.05 s", "200 fluid", "runs/tank.mcap"] {
+        assert!(ran.out().contains(part), "{part} is not in\n{}", ran.out());
+    }
+    assert!(is_finished(&folder.log()));
+    assert_eq!(messages(&folder.log(), "/particles"), 6);
+    assert_eq!(messages(&folder.log(), "/walls"), 1);
+    assert_eq!(messages(&folder.log(), "/structures"), 0);
+    assert_eq!(messages(&folder.log(), "/steps"), 11);
+    assert_eq!(messages(&folder.log(), "/log"), 2);
+}
+
+#[test]
+fn the_log_holds_the_scene_and_every_number() {
+    let folder = Folder::tank("numbers");
+    folder.run(&["run", "tank.ron", "--until", "0.001", "--set", "spacing=0.02", "--out", "a/b.mcap"]);
+    let bytes = fs::read(folder.0.join("a/b.mcap")).unwrap();
+    let summary = mcap::Summary::read(&bytes).unwrap().unwrap();
+    let attachment = mcap::read::attachment(&bytes, &summary.attachment_indexes[0]).unwrap();
+    assert_eq!(attachment.name, "tank.ron");
+    assert_eq!(String::from_utf8_lossy(&attachment.data), TANK.replace("spacing: 0.01", "spacing: 0.02"));
+    let record = |name: &str| {
+        let index = summary.metadata_indexes.iter().find(|index| index.name == name).unwrap();
+        mcap::read::metadata(&bytes, index).unwrap().metadata
+    };
+    assert_eq!(record("overrides")["spacing"], "0.02");
+    assert_eq!(record("parameters")["phases.water.rheology.viscosity"], "0.001");
+    assert_eq!(record("defaults")["time_step.sound"], "0.25");
+    assert_eq!(record("derived")["particles.fluid"], "50");
+    assert_eq!(record("derived")["smoothing_length [m]"], "0.024");
+    assert!(record("program").contains_key("threads"));
+}
+
+#[test]
+fn json_is_one_object_and_nothing_else() {
+    let folder = Folder::tank("json");
+    let ran = folder.run(&["run", "tank.ron", "--json", "--threads", "1", "--set", "spacing=0.02"]);
+    let json = ran.json();
+    assert_eq!((json["scene"].as_str(), json["dimension"].as_u64()), (Some("tank.ron"), Some(2)));
+    assert_eq!((json["spacing"].as_f64(), json["particles"]["fluid"].as_u64()), (Some(0.02), Some(50)));
+    assert!(json["particles"]["wall"].as_u64() > Some(0) && json["particles"]["structure"] == 0);
+    assert!(json["steps"].as_u64() > Some(10) && json["time"] == 0.05 && json["threads"] == 1);
+    assert!(json["wall_s"].as_f64() > Some(0.0) && json["updates_per_s"].as_f64() > Some(0.0));
+    assert_eq!((json["log"].as_str(), json["end"].as_str()), (Some("runs/tank.mcap"), Some("done")));
+    assert_eq!(json["checks"].as_array().map(Vec::len), Some(0));
+}
+
+#[test]
+fn expectations_decide_between_0_and_1() {
+    for (name, most, code) in [("met", 25.0, 0), ("failed", 15.0, 1)] {
+        let expect = format!("    expect: [(name: \"mass\", of: \"energy.mass\", is: Between(1.0, {most:?}))],\n)\n");
+        let folder = Folder::new(name, &TANK.replace("\n)\n", &format!("\n{expect}")));
+        let ran = folder.run(&["run", "tank.ron", "--json"]);
+        assert_eq!(ran.code(), Some(code), "{}", ran.err());
+        let check = &ran.json()["checks"][0];
+        assert_eq!((&check["name"], &check["pass"]), (&Value::from("mass"), &Value::from(code == 0)));
+        assert!((check["value"].as_f64().unwrap() - 20.0).abs() < 0.1, "{check}");
+        let ran = folder.run(&["test", "tank.ron"]);
+        assert_eq!(ran.code(), Some(code), "{}", ran.err());
+        assert!(ran.out().contains(if code == 0 { "pass" } else { "FAIL" }), "{}", ran.out());
+        let ran = folder.run(&["test", "--scenes", "."]);
+        assert_eq!(ran.code(), Some(code), "{}", ran.err());
+        // A part of a run says nothing about its end.
+        assert_eq!(folder.run(&["run", "tank.ron", "--until", "0.01"]).code(), Some(0));
+    }
+}
+
+#[test]
+fn misspelt_fields_are_shown_with_the_nearest_name() {
+    let folder = Folder::new("misspelt", &TANK.replace("reference_density", "refrence_density"));
+    let parts = ["tank.ron:7:24", "\"water\": (refrence_density", "did you mean `reference_density`?"];
+    folder.run(&["run", "tank.ron"]).is_refused_with(&parts);
+    folder.run(&["check", "tank.ron"]).is_refused_with(&parts);
+    assert!(!folder.0.join("runs").exists());
+}
+
+#[test]
+fn numbers_that_are_none_are_refused() {
+    for (name, wrong) in [("nan", "NaN"), ("inf", "inf")] {
+        let folder = Folder::new(name, &TANK.replace("spacing: 0.01", &format!("spacing: {wrong}")));
+        folder.run(&["run", "tank.ron"]).is_refused_with(&["tank.ron:4:14", "finite"]);
+    }
+}
+
+#[test]
+fn overrides_are_as_strict_as_the_scene() {
+    let folder = Folder::tank("overrides");
+    let refused = |set: &str, parts: &[&str]| folder.run(&["run", "tank.ron", "--set", set]).is_refused_with(parts);
+    refused("spacing=-1", &["must be greater than 0, got -1 m", "set by --set spacing=-1"]);
+    refused("spacng=1", &["did you mean `spacing`?"]);
+    refused("phases.wtaer.reference_density=1", &["no `wtaer`", "did you mean `water`?"]);
+    refused("phases.water.rheology.viscosty=1", &["did you mean `viscosity`?"]);
+    refused("spacing", &["expected `path=value`"]);
+}
+
+#[test]
+fn missing_files_and_wrong_options_are_refused() {
+    let folder = Folder::tank("missing");
+    folder.run(&["run", "tnak.ron"]).is_refused_with(&["tnak.ron", "did you mean `tank.ron`?"]);
+    folder.run(&["run", "tank.ron", "--until", "-1"]).is_refused_with(&["--until"]);
+    folder.run(&["run", "tank.ron", "--threads", "0"]).is_refused_with(&["--threads"]);
+    folder.run(&["run", "tank.ron", "--out", "tank.ron/x.mcap"]).is_refused_with(&["tank.ron", "--out"]);
+    folder.run(&["run", "tank.ron", "--out", "."]).is_refused_with(&["cannot create the log", "--out"]);
+    folder.run(&["scenes"]).is_refused_with(&["folder of scenes", "--scenes"]);
+    folder.run(&["test", "--scenes", "."]).is_refused_with(&["no scene has expectations"]);
+}
+
+#[test]
+fn a_diverging_run_ends_with_3_and_a_log_that_reads() {
+    let folder = Folder::tank("diverging");
+    let sets = ["--set", "fluids.0.velocity=(50.0, 0.0)", "--set", "equation_of_state=(max_speed: 1.0)"];
+    let ran = folder.run(&[&["run", "tank.ron", "--json"][..], &sets].concat());
+    assert_eq!(ran.code(), Some(3), "{}", ran.err());
+    for part in ["diverged at t = ", "particle ", "`water`", "position (", "max_speed", "closed and readable"] {
+        assert!(ran.err().contains(part), "{part} is not in\n{}", ran.err());
+    }
+    let json = ran.json();
+    assert_eq!(json["end"], "diverged");
+    assert!(json["divergence"]["time"].as_f64() > Some(0.0) && json["divergence"]["particle"].is_u64());
+    assert!(is_finished(&folder.log()));
+    assert_eq!(messages(&folder.log(), "/particles"), 2, "the start and the state that diverged");
+}
+
+#[test]
+fn a_variant_is_its_scene_with_other_values() {
+    let folder = Folder::tank("variant");
+    fs::write(folder.0.join("coarse.ron"), "Variant(of: \"tank.ron\", set: {\"spacing\": \"0.02\"})").unwrap();
+    assert_eq!(folder.run(&["run", "coarse.ron", "--json"]).json()["particles"]["fluid"], 50);
+    fs::write(folder.0.join("wrong.ron"), "Variant(of: \"tank.ron\", set: {\"spacing\": \"-1\"})").unwrap();
+    folder.run(&["run", "wrong.ron"]).is_refused_with(&["wrong.ron:1:42", "must be greater than 0"]);
+}
+
+#[test]
+fn check_tells_the_run_before_it_is_run() {
+    let folder = Folder::tank("check");
+    let ran = folder.run(&["check", "tank.ron"]);
+    assert_eq!(ran.code(), Some(0), "{}", ran.err());
+    let parts =
+        ["200 fluid", "v_max", "Δt by viscosity", "memory", "time_step.sound = 0.25", "QuinticSpline, support 0.036 m"];
+    parts.iter().for_each(|part| assert!(ran.out().contains(part), "{part} is not in\n{}", ran.out()));
+    assert!(!folder.0.join("runs").exists());
+    let ran = folder.run(&["check", "tank.ron", "--set", "spacing=0.0098"]);
+    assert!(ran.out().contains("Warning: fluids.0.shape: x = 0.2 m of `max`"), "{}", ran.out());
+}
+
+#[test]
+fn scenes_are_listed_a_line_each() {
+    let folder = Folder::tank("scenes");
+    let ran = folder.run(&["scenes", "--scenes", "."]);
+    assert!(ran.out().contains("tank.ron  A small tank  2D         0.01 m"), "{}", ran.out());
+}
+
+#[test]
+fn a_killed_run_leaves_a_log_that_reads() {
+    let folder = Folder::tank("killed");
+    let mut child = folder.start_long_run();
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert!(!is_finished(&folder.log()));
+    assert!(messages(&folder.log(), "/particles") >= 2);
+    assert!(messages(&folder.log(), "/steps") >= 2);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_ends_the_run_with_a_message() {
+    let ran = Folder::tank("full").run(&["run", "tank.ron", "--quiet", "--out", "/dev/full"]);
+    ran.is_refused_with(&["cannot write the log /dev/full", "No space left on device"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_run_ends_with_130_and_a_finished_log() {
+    let folder = Folder::tank("interrupted");
+    let mut child = folder.start_long_run();
+    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(sent.success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert!(is_finished(&folder.log()));
+}

@@ -1,0 +1,87 @@
+//! Momentum and mass are conserved; a structure feels what it does to the fluid.
+
+use bevy_ecs::prelude::*;
+use glam::DVec3;
+use storegga::boundary::Load;
+use storegga::particles::{Acceleration, Fluid, Mass, Velocity};
+
+use crate::support::{Noise, advance, app, disturb, evaluate, periodic_box};
+
+const FORMS: [[&str; 2]; 4] = [
+    ["momentum.pressure=VolumeWeighted", "momentum.viscosity=Laplacian"],
+    ["momentum.pressure=VolumeWeighted", "momentum.viscosity=Central"],
+    ["momentum.pressure=DensityWeighted", "momentum.viscosity=Laplacian"],
+    ["momentum.pressure=DensityWeighted", "momentum.viscosity=Central"],
+];
+
+/// Σ m v and Σ m |v|.
+fn momentum(world: &mut World) -> (DVec3, f64) {
+    let mut fluid = world.query_filtered::<(&Mass, &Velocity), With<Fluid>>();
+    fluid.iter(world).fold((DVec3::ZERO, 0.0), |(p, scale), (m, v)| (p + m.0 * v.0, scale + m.0 * v.0.length()))
+}
+
+fn scene(dimension: usize, more: &str) -> String {
+    periodic_box(dimension).replace("phases:", &format!("momentum: (), {more} phases:"))
+}
+
+#[test]
+fn momentum_is_constant_to_round_off() {
+    for dimension in [2, 3] {
+        for forms in FORMS {
+            let mut app = app(&scene(dimension, ""), &forms);
+            let world = app.world_mut();
+            let mut noise = Noise(11);
+            disturb(world, dimension, 0.01, |_| noise.vector(dimension));
+            evaluate(world);
+            let (before, scale) = momentum(world);
+            advance(world, 60);
+            let (after, _) = momentum(world);
+            assert!((after - before).length() < 1e-13 * scale, "{dimension}D {forms:?}: {}", (after - before) / scale);
+        }
+    }
+}
+
+#[test]
+fn mass_does_not_change() {
+    let mut app = app(&periodic_box(2), &[]);
+    let world = app.world_mut();
+    let mut noise = Noise(5);
+    disturb(world, 2, 0.01, |_| noise.vector(2));
+    let masses = |world: &mut World| {
+        let mut masses: Vec<u64> =
+            world.query_filtered::<&Mass, With<Fluid>>().iter(world).map(|m| m.0.to_bits()).collect();
+        masses.sort_unstable();
+        masses
+    };
+    let before = masses(world);
+    // Long enough for particles to be re-sorted.
+    advance(world, 400);
+    assert_eq!(before, masses(world));
+}
+
+#[test]
+fn a_structure_feels_what_it_does_to_the_fluid() {
+    // No walls, no gravity, no background pressure: only the structure can change the fluid's momentum.
+    for (dimension, body) in
+        [(2, "Circle(center: (0.5, 0.5), radius: 0.2)"), (3, "Sphere(center: (0.5, 0.5, 0.5), radius: 0.25)")]
+    {
+        for forms in FORMS {
+            let text = scene(dimension, &format!(r#"structures: {{ "body": (shape: {body}) }},"#));
+            let mut app = app(&text, &[forms[0], forms[1], "equation_of_state.background_pressure=0.0"]);
+            let world = app.world_mut();
+            let mut noise = Noise(23);
+            disturb(world, dimension, 0.01, |_| noise.vector(dimension));
+            advance(world, 20);
+            evaluate(world);
+            let mut fluid = world.query_filtered::<(&Mass, &Acceleration), With<Fluid>>();
+            let (on_fluid, scale) = fluid
+                .iter(world)
+                .fold((DVec3::ZERO, 0.0), |(f, scale), (m, a)| (f + m.0 * a.0, scale + m.0 * a.0.length()));
+            let load = *world.query::<&Load>().single(world).expect("one structure");
+            assert!(load.force().length() > 1e-3 * scale, "{dimension}D: the structure feels nothing");
+            assert!(load.viscous_force.length() > 0.0 && load.pressure_force.length() > 0.0);
+            let difference = (load.force() + on_fluid).length();
+            assert!(difference < 1e-13 * scale, "{dimension}D {forms:?}: {difference} of {scale} N");
+        }
+    }
+}

@@ -1,0 +1,74 @@
+//! Ghost particles: hydrostatic pressure continues into the wall, and the fluid sticks or slips.
+
+use bevy_ecs::prelude::*;
+use glam::DVec3;
+use storegga::particles::{Fluid, GhostVelocity, Position, Pressure, Velocity, Wall, WallVelocity};
+use storegga::physics::{EquationOfState, Gravity};
+use storegga::scene::{FilledFluids, Resolution};
+
+use crate::support::{advance, app, evaluate, tank};
+
+#[test]
+fn hydrostatic_pressure_continues_into_the_wall() {
+    for dimension in [2, 3] {
+        let mut app = app(&tank(dimension), &[]);
+        let world = app.world_mut();
+        let vertical = dimension - 1;
+        let (state, gravity) = (*world.resource::<EquationOfState>(), *world.resource::<Gravity>());
+        let spacing = world.resource::<Resolution>().spacing;
+        let column = world.resource::<FilledFluids>().column(DVec3::splat(0.5), gravity.full, spacing, 0.0);
+        let deepest = column.compressible(0.0, state.bulk_modulus, 0.0);
+        assert!((deepest - 1000.0 * 9.81 * 0.5).abs() < 0.01 * deepest);
+        let mut near = 0;
+        for (x, p) in world.query_filtered::<(&Position, &Pressure), With<Wall>>().iter(world) {
+            // The first two layers, below the surface by more than the kernel reaches.
+            if x.0[vertical] < 0.25 && x.0.min_element() > -0.1 && x.0.truncate().max_element() < 1.1 {
+                let exact = column.compressible(x.0[vertical], state.bulk_modulus, 0.0);
+                near += 1;
+                assert!((p.0 - exact).abs() < 2e-3 * deepest, "{dimension}D at {}: {} Pa, exact {exact} Pa", x.0, p.0);
+            }
+        }
+        assert!(near > 50, "only {near} ghosts compared");
+    }
+}
+
+#[test]
+fn no_slip_mirrors_the_velocity() {
+    let mut app = app(&tank(2), &[]);
+    let world = app.world_mut();
+    let u = DVec3::new(0.3, 0.1, 0.0);
+    world.query_filtered::<&mut Velocity, With<Fluid>>().iter_mut(world).for_each(|mut v| v.0 = u);
+    evaluate(world);
+    let mut mirrored = 0;
+    for (x, v) in world.query_filtered::<(&Position, &GhostVelocity), With<Wall>>().iter(world) {
+        let wet = v.0 != DVec3::ZERO;
+        mirrored += usize::from(wet);
+        assert!(!wet || (v.0 + u).length() < 1e-12, "at {}: {}", x.0, v.0);
+    }
+    assert!(mirrored > 50);
+}
+
+#[test]
+fn a_moving_wall_carries_its_ghosts() {
+    let moving = tank(2).replace(
+        r#""tank": ("#,
+        r#""tank": (motion: Rotation(center: (0.5, 0.5), rate: 2.0), "#,
+    );
+    let mut app = app(&moving, &[]);
+    let world = app.world_mut();
+    let before: Vec<DVec3> = world.query_filtered::<&Position, With<Wall>>().iter(world).map(|x| x.0).collect();
+    advance(world, 10);
+    let angle = 2.0 * world.resource::<storegga::clock::Clock>().time;
+    let center = DVec3::new(0.5, 0.5, 0.0);
+    let ghosts = world.query_filtered::<(&Position, &WallVelocity), With<Wall>>().iter(world).collect::<Vec<_>>();
+    for (start, (x, v)) in before.into_iter().zip(ghosts) {
+        let arm = start - center;
+        let turned = DVec3::new(
+            arm.x * angle.cos() - arm.y * angle.sin(),
+            arm.x * angle.sin() + arm.y * angle.cos(),
+            0.0,
+        );
+        assert!((x.0 - center - turned).length() < 1e-12);
+        assert!((v.0 - DVec3::new(-2.0 * turned.y, 2.0 * turned.x, 0.0)).length() < 1e-12);
+    }
+}
