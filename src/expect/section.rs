@@ -132,7 +132,7 @@ mod tests {
         let rest = "is: Number(1), within: Absolute(1)";
         assert!(refusal(&format!("of: \"flor.force_y\", {rest}")).contains("did you mean `floor`?"));
         assert!(refusal(&format!("of: \"floor.forc_y\", {rest}")).contains("did you mean `force_y`?"));
-        assert!(refusal(&format!("of: \"energy\", {rest}")).contains("no series is called"));
+        assert!(refusal(&format!("of: \"energy\", {rest}")).contains("no field of `energy`"));
     }
 
     #[test]

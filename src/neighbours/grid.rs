@@ -2,6 +2,8 @@
 
 use glam::DVec3;
 
+use super::list::resize_with_room;
+
 /// One row in the order of the cells.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Entry {
@@ -67,7 +69,7 @@ impl Grid {
         self.cell_of_row.reserve(positions.len());
         let cells = self.cells.iter().product::<usize>();
         self.first.clear();
-        self.first.resize(cells + 1, 0);
+        resize_with_room(&mut self.first, cells + 1, 0);
         for &position in positions {
             let cell = self.cell(position);
             self.cell_of_row.push(cell);
@@ -80,7 +82,7 @@ impl Grid {
         }
         let blank = Entry { position: DVec3::ZERO, row: 0, fluid: false };
         self.entries.clear();
-        self.entries.resize(self.first[cells] as usize, blank);
+        resize_with_room(&mut self.entries, self.first[cells] as usize, blank);
         for (row, &cell) in self.cell_of_row.iter().enumerate() {
             if cell != OUTSIDE {
                 let place = &mut self.first[cell as usize];

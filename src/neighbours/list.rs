@@ -91,8 +91,8 @@ impl PairList {
     ) {
         self.chunks.par_iter_mut().enumerate().for_each(|(c, chunk)| {
             let pairs = chunk.rows.len();
-            chunk.gradients.resize(if wanted.gradients { pairs } else { 0 }, 0.0);
-            chunk.values.resize(if wanted.values { pairs } else { 0 }, 0.0);
+            resize_with_room(&mut chunk.gradients, if wanted.gradients { pairs } else { 0 }, 0.0);
+            resize_with_room(&mut chunk.values, if wanted.values { pairs } else { 0 }, 0.0);
             for (k, ends) in chunk.first.windows(2).enumerate() {
                 let range = ends[0] as usize..ends[1] as usize;
                 for (on, column, kernel) in [
@@ -108,6 +108,14 @@ impl PairList {
             }
         });
     }
+}
+
+/// `column.resize(len, value)`, with so much room that a column which changes little from step to step seldom allocates.
+pub(super) fn resize_with_room<T: Clone>(column: &mut Vec<T>, len: usize, value: T) {
+    if column.capacity() < len {
+        column.reserve(len + len / 2 - column.len());
+    }
+    column.resize(len, value);
 }
 
 /// A pair as a pair term sees it.

@@ -11,8 +11,8 @@ mod section;
 mod variant;
 
 pub use document::{Document, Named, Node, flatten, nearest};
-pub use fluids::{FilledFluids, FluidSpec, FluidsSection, InitialPressure};
 pub(crate) use fluids::vertical;
+pub use fluids::{FilledFluids, FluidSpec, FluidsSection, InitialPressure};
 pub use header::{Header, Periodic, Resolution, SceneInfo};
 pub use hydrostatics::{Column, Layer};
 pub use invalid::Invalid;

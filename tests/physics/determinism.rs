@@ -12,7 +12,7 @@ fn collapse(dimension: usize) -> String {
     tank(dimension)
         .replace("Box(min: (0.0, 0.0), max: (1.0, 0.5))", "Box(min: (0.0, 0.0), max: (0.4, 0.6))")
         .replace("Box(min: (0.0, 0.0, 0.0), max: (1.0, 1.0, 0.5))", "Box(min: (0.0, 0.0, 0.0), max: (0.4, 1.0, 0.6))")
-        .replace("phases:", "neighbours: (sort_every: 2), phases:")
+        .replace("phases:", "neighbours: (skin: 0.02, sort_every: 2), phases:")
 }
 
 /// Every bit of the state after `steps` steps with `threads` threads, by particle.

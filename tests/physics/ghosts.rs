@@ -50,10 +50,7 @@ fn no_slip_mirrors_the_velocity() {
 
 #[test]
 fn a_moving_wall_carries_its_ghosts() {
-    let moving = tank(2).replace(
-        r#""tank": ("#,
-        r#""tank": (motion: Rotation(center: (0.5, 0.5), rate: 2.0), "#,
-    );
+    let moving = tank(2).replace(r#""tank": ("#, r#""tank": (motion: Rotation(center: (0.5, 0.5), rate: 2.0), "#);
     let mut app = app(&moving, &[]);
     let world = app.world_mut();
     let before: Vec<DVec3> = world.query_filtered::<&Position, With<Wall>>().iter(world).map(|x| x.0).collect();
@@ -63,11 +60,8 @@ fn a_moving_wall_carries_its_ghosts() {
     let ghosts = world.query_filtered::<(&Position, &WallVelocity), With<Wall>>().iter(world).collect::<Vec<_>>();
     for (start, (x, v)) in before.into_iter().zip(ghosts) {
         let arm = start - center;
-        let turned = DVec3::new(
-            arm.x * angle.cos() - arm.y * angle.sin(),
-            arm.x * angle.sin() + arm.y * angle.cos(),
-            0.0,
-        );
+        let turned =
+            DVec3::new(arm.x * angle.cos() - arm.y * angle.sin(), arm.x * angle.sin() + arm.y * angle.cos(), 0.0);
         assert!((x.0 - center - turned).length() < 1e-12);
         assert!((v.0 - DVec3::new(-2.0 * turned.y, 2.0 * turned.x, 0.0)).length() < 1e-12);
     }

@@ -21,9 +21,7 @@ fn compare(world: &mut World) {
             .rows
             .iter()
             .zip(pairs.gradients)
-            .filter(|(row, gradient)| {
-                **gradient != 0.0 && neighbours.rows.source(**row) < neighbours.rows.fluid
-            })
+            .filter(|(row, gradient)| **gradient != 0.0 && neighbours.rows.source(**row) < neighbours.rows.fluid)
             .map(|(row, _)| neighbours.rows.source(*row))
             .collect();
         // A pair almost at the edge of the support has a gradient of 0 to rounding.
