@@ -7,3 +7,4 @@ mod kernels;
 mod linear_fields;
 mod neighbours;
 mod support;
+mod twin;

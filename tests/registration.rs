@@ -1,0 +1,225 @@
+//! The registration points of the framework, used from outside: what a plugin can bring, it brings here.
+
+use bevy_app::{App, Plugin, PluginGroup};
+use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
+use storegga::app::{PaperPlugins, StopFlag, StoreggaApp, open, run};
+use storegga::clock::Clock;
+use storegga::error::UserError;
+use storegga::kernels::Kernel;
+use storegga::outputs::{OutputKind, OutputTimes};
+use storegga::particles::{DensityRate, Fluid, ParticleId, PhaseIndex, ShearRate, Viscosity};
+use storegga::phases::Phase;
+use storegga::probes::{Probe, Series, SeriesField, State};
+use storegga::rheology::Rheology;
+use storegga::scene::{Document, Invalid, SceneSection, SectionError};
+use storegga::schedule::{Output, OutputStage, Stage};
+
+/// A rheology with a memory: its viscosity falls with the strain that a particle has been through.
+#[derive(Component, Debug, Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Softening {
+    /// Viscosity (Pa s) of undisturbed material.
+    intact: f64,
+}
+
+impl Rheology for Softening {
+    fn check(&self) -> Result<(), Invalid> {
+        Ok(())
+    }
+
+    fn greatest_viscosity(&self) -> f64 {
+        self.intact
+    }
+}
+
+/// Accumulated strain: a column of the plugin's own.
+#[derive(Component, Debug, Clone, Copy, Default)]
+struct Strain(f64);
+
+/// The particle that the column should belong to.
+#[derive(Component, Debug, Clone, Copy, Default)]
+struct Owner(u32);
+
+fn soften(
+    clock: Res<Clock>,
+    phases: Query<(&Phase, &Softening)>,
+    mut fluid: Query<(&PhaseIndex, &ShearRate, &mut Strain, &mut Viscosity), With<Fluid>>,
+) {
+    for (phase, shear_rate, mut strain, mut viscosity) in &mut fluid {
+        if let Some((_, softening)) = phases.iter().find(|(one, _)| one.index == phase.0) {
+            strain.0 += clock.time_step * shear_rate.0;
+            viscosity.0 = softening.intact / (1.0 + strain.0);
+        }
+    }
+}
+
+/// A cubic kernel of the plugin's own: (1 − q)³ up to q = 1, in units of 3h.
+#[derive(Clone)]
+struct Cubic;
+
+impl Kernel for Cubic {
+    fn support(&self) -> f64 {
+        3.0
+    }
+
+    fn normalisation(&self, dimension: usize) -> f64 {
+        // ∫ (1 − r/3)³ d^d r = 2π 9/20 and 4π 27/60.
+        if dimension == 2 { 10.0 / (9.0 * std::f64::consts::PI) } else { 5.0 / (9.0 * std::f64::consts::PI) }
+    }
+
+    fn w(&self, q: f64) -> f64 {
+        (1.0 - q / 3.0).max(0.0).powi(3)
+    }
+
+    fn dw_dq(&self, q: f64) -> f64 {
+        -(1.0 - q / 3.0).max(0.0).powi(2)
+    }
+}
+
+/// A section of the plugin's own.
+#[derive(Resource, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Earthquake {
+    peak: f64,
+}
+
+impl SceneSection for Earthquake {
+    const NAME: &'static str = "earthquake";
+
+    fn check(&self, _: &World) -> Result<(), Invalid> {
+        if self.peak < 0.0 { Err(Invalid::new("peak", "must not be negative")) } else { Ok(()) }
+    }
+
+    fn spawn(self, world: &mut World) -> Result<(), SectionError> {
+        world.insert_resource(self);
+        Ok(())
+    }
+}
+
+/// A probe of the plugin's own: the number of fluid particles.
+#[derive(Component, Debug, Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Count();
+
+impl Probe for Count {
+    fn description(&self) -> String {
+        "number of particles".to_owned()
+    }
+
+    fn fields(&self) -> Vec<SeriesField> {
+        vec![SeriesField::new("particles", "", "fluid particles")]
+    }
+
+    fn measure(&mut self, state: &State<'_>, row: &mut [f64]) {
+        row[0] = state.fluid.position.len() as f64;
+    }
+}
+
+/// A channel of the plugin's own.
+fn write_channel(clock: Res<Clock>, outputs: Res<OutputTimes>, mut series: Query<&mut Series>) {
+    if !outputs.due(OutputKind::Series) {
+        return;
+    }
+    for mut series in series.iter_mut().filter(|series| series.name == "beat") {
+        series.push(clock.time, &[clock.step as f64]);
+    }
+}
+
+/// Stands in for the continuity equation: nothing is compressed.
+fn incompressible(mut fluid: Query<&mut DensityRate, With<Fluid>>) {
+    fluid.iter_mut().for_each(|mut rate| rate.0 = 0.0);
+}
+
+struct Outside;
+
+impl Plugin for Outside {
+    fn build(&self, app: &mut App) {
+        app.register_particle_column::<Strain>()
+            .register_particle_column::<Owner>()
+            .register_rheology_system::<Softening, _>("Softening", soften)
+            .register_kernel("Cubic", Cubic)
+            .register_scene_section::<Earthquake>()
+            .register_probe::<Count>("Count")
+            .set_stage(Stage::Continuity, incompressible, incompressible)
+            .set_stage(Stage::Diffusion, || {}, || {});
+        let field = SeriesField::new("step", "", "number of the step");
+        app.world_mut().spawn(Series::new("beat", "/beat", "steps", vec![field]));
+        app.add_systems(Output, write_channel.in_set(OutputStage::Measure).after(storegga::probes::ProbeSystems));
+    }
+}
+
+const SCENE: &str = r#"Scene(
+    dimension: 2, spacing: 0.05, gravity: (0.0, -9.81), end_time: 0.05, kernel: Cubic,
+    neighbours: (skin: 0.01, sort_every: 1),
+    phases: { "mud": (reference_density: 1500.0, rheology: Softening(intact: 10.0)) },
+    fluids: [(phase: "mud", shape: Box(min: (0.0, 0.0), max: (0.4, 0.6)))],
+    walls: { "tank": (shape: Box(min: (0.0, 0.0), max: (1.0, 1.0))) },
+    probes: { "count": Count() },
+    earthquake: (peak: 2.5),
+    log: (particles: 1.0, series: 0.01),
+)"#;
+
+fn opened(text: &str) -> Result<App, UserError> {
+    open(PaperPlugins.build().add(Outside), Document::parse("test.ron", text)?)
+}
+
+#[test]
+fn a_plugin_brings_everything() {
+    let mut app = opened(SCENE).unwrap_or_else(|error| panic!("{}", error.render(false)));
+    let world = app.world_mut();
+    assert_eq!(world.resource::<Earthquake>().peak, 2.5);
+    for (id, mut owner) in world.query_filtered::<(&ParticleId, &mut Owner), With<Fluid>>().iter_mut(world) {
+        owner.0 = id.0;
+    }
+    run(world, 0.05, &StopFlag::default(), |_| {});
+
+    // The column follows its particle through re-sorting, and the memory of the rheology with it.
+    let mut columns = world.query_filtered::<(&ParticleId, &Owner, &Strain, &Viscosity), With<Fluid>>();
+    let found: Vec<_> = columns.iter(world).collect();
+    assert!(found.windows(2).any(|pair| pair[0].0 > pair[1].0), "nothing was re-sorted");
+    assert!(found.iter().all(|(id, owner, ..)| id.0 == owner.0));
+    assert!(found.iter().any(|(.., strain, _)| strain.0 > 0.0));
+    assert!(found.iter().all(|(.., strain, viscosity)| viscosity.0 == 10.0 / (1.0 + strain.0)));
+
+    // The replaced stages did nothing.
+    let mut rates = world.query_filtered::<&DensityRate, With<Fluid>>();
+    assert!(rates.iter(world).all(|rate| rate.0 == 0.0));
+
+    let series: Vec<&Series> = world.query::<&Series>().iter(world).collect();
+    let named = |name: &str| *series.iter().find(|series| series.name == name).expect("it was spawned");
+    assert_eq!(named("count").times().len(), 6);
+    assert_eq!(named("count").row(5), [96.0]);
+    assert_eq!(named("beat").times().len(), 6);
+}
+
+#[test]
+fn a_wrong_section_is_refused_in_its_place() {
+    let error = opened(&SCENE.replace("peak: 2.5", "peek: 2.5")).err().expect("a misspelt field").render(false);
+    assert!(error.contains("test.ron:8:18") && error.contains("peak"), "{error}");
+    let error = opened(&SCENE.replace("peak: 2.5", "peak: -1.0")).err().expect("a negative peak").render(false);
+    assert!(error.contains("test.ron:8:24") && error.contains("must not be negative"), "{error}");
+    let error = opened(&SCENE.replace("Cubic", "Cubik")).err().expect("no such kernel").render(false);
+    assert!(error.contains("Cubic"), "{error}");
+}
+
+/// Puts a component on fluid particles without registering it.
+struct Careless;
+
+impl Plugin for Careless {
+    fn build(&self, app: &mut App) {
+        app.register_required_components::<Fluid, Owner>();
+    }
+}
+
+#[test]
+fn a_column_that_nobody_registered_is_refused() {
+    let plugins = PaperPlugins.build().add(Careless);
+    let text = SCENE
+        .replace("kernel: Cubic,", "")
+        .replace("Softening(intact: 10.0)", "Newtonian(viscosity: 1.0)")
+        .replace(r#"probes: { "count": Count() },"#, "")
+        .replace("earthquake: (peak: 2.5),", "");
+    let error = open(plugins, Document::parse("test.ron", &text).expect("a scene")).err().expect("a refusal");
+    assert!(error.message().contains("Owner"), "{}", error.message());
+}
