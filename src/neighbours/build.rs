@@ -95,7 +95,7 @@ impl Neighbours {
     }
 
     pub(super) fn sort_is_due(&self) -> bool {
-        self.sort_every > 0 && self.builds % u64::from(self.sort_every) == 0
+        self.sort_every > 0 && self.builds.is_multiple_of(u64::from(self.sort_every))
     }
 }
 

@@ -1,6 +1,7 @@
 //! The order of fluid particles in memory: by cell, so that neighbours in space are neighbours in memory.
 
 use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemState;
 use glam::DVec3;
 
 use super::build::Neighbours;
@@ -42,5 +43,3 @@ pub(super) fn sort_fluid(
     order.extend(keys.iter().map(|key| *key as u32));
     permute_columns(world, order);
 }
-
-use bevy_ecs::system::SystemState;

@@ -6,6 +6,8 @@
 //! gradient (Bonet & Lok 1999) L becomes `L K⁻¹`, `K = Σ_j V_j (x_j − x_i) ⊗ ∇_iW_ij`, which is exact for a
 //! linear velocity field wherever the particles are.
 
+use std::array::from_fn;
+
 use bevy_ecs::prelude::*;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -102,46 +104,29 @@ pub fn strain_rate<const D: usize>(
 
 /// γ̇ = √(2 D:D).
 fn shear_rate_of<const D: usize>(l: &Matrix<D>) -> f64 {
-    let mut double_contraction = 0.0;
-    for a in 0..D {
-        for b in 0..D {
-            let d_ab = 0.5 * (l[a][b] + l[b][a]);
-            double_contraction += d_ab * d_ab;
-        }
-    }
-    (2.0 * double_contraction).sqrt()
+    let d = (0..D).flat_map(|a| (0..D).map(move |b| 0.5 * (l[a][b] + l[b][a])));
+    (2.0 * d.map(|d_ab| d_ab * d_ab).sum::<f64>()).sqrt()
 }
 
 /// A particle with so few neighbours that K is this close to singular keeps its uncorrected gradient (K → 1 in a full
 /// neighbourhood).
 const SINGULAR: f64 = 0.1;
 
-/// `L K⁻¹`, by Cramer's rule.
+/// `L K⁻¹`, K⁻¹ being the transposed matrix of cofactors over the determinant.
 fn times_inverse<const D: usize>(l: Matrix<D>, k: Matrix<D>) -> Matrix<D> {
-    let (mut inverse, determinant): (Matrix<D>, f64) = adjugate(&k);
+    let cofactors: Matrix<D> = from_fn(|a| from_fn(|b| cofactor(&k, a, b)));
+    let determinant: f64 = (0..D).map(|b| k[0][b] * cofactors[0][b]).sum();
     if determinant.abs() < SINGULAR {
         return l;
     }
-    inverse.as_flattened_mut().iter_mut().for_each(|x| *x /= determinant);
-    std::array::from_fn(|a| std::array::from_fn(|b| (0..D).map(|c| l[a][c] * inverse[c][b]).sum()))
+    from_fn(|a| from_fn(|b| (0..D).map(|c| l[a][c] * cofactors[b][c]).sum::<f64>() / determinant))
 }
 
-/// Adjugate and determinant.
-fn adjugate<const D: usize>(k: &Matrix<D>) -> (Matrix<D>, f64) {
-    let mut adjugate = [[0.0; D]; D];
+/// Cofactor of k_ab.
+fn cofactor<const D: usize>(k: &Matrix<D>, a: usize, b: usize) -> f64 {
     if D == 2 {
-        adjugate[0][0] = k[1][1];
-        adjugate[1][1] = k[0][0];
-        adjugate[0][1] = -k[0][1];
-        adjugate[1][0] = -k[1][0];
-    } else {
-        for a in 0..D {
-            for b in 0..D {
-                let (a1, a2, b1, b2) = ((a + 1) % D, (a + 2) % D, (b + 1) % D, (b + 2) % D);
-                adjugate[b][a] = k[a1][b1] * k[a2][b2] - k[a1][b2] * k[a2][b1];
-            }
-        }
+        return if a == b { k[1 - a][1 - b] } else { -k[1 - a][1 - b] };
     }
-    let determinant = (0..D).map(|b| k[0][b] * adjugate[b][0]).sum();
-    (adjugate, determinant)
+    let (a1, a2, b1, b2) = ((a + 1) % D, (a + 2) % D, (b + 1) % D, (b + 2) % D);
+    k[a1][b1] * k[a2][b2] - k[a1][b2] * k[a2][b1]
 }
