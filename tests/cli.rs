@@ -170,6 +170,8 @@ fn expectations_decide_between_0_and_1() {
         let check = &ran.json()["checks"][0];
         assert_eq!((&check["name"], &check["pass"]), (&Value::from("mass"), &Value::from(code == 0)));
         assert!((check["value"].as_f64().unwrap() - 20.0).abs() < 0.1, "{check}");
+        let (expected, tolerance) = (check["expected"].as_f64().unwrap(), check["tolerance"].as_f64().unwrap());
+        assert_eq!((expected - tolerance, expected + tolerance, &check["unit"]), (1.0, most, &Value::from("kg")));
         let ran = folder.run(&["test", "tank.ron"]);
         assert_eq!(ran.code(), Some(code), "{}", ran.err());
         assert!(ran.out().contains(if code == 0 { "pass" } else { "FAIL" }), "{}", ran.out());

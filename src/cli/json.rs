@@ -55,6 +55,7 @@ fn check(check: &Check) -> Value {
         "value": check.value,
         "expected": check.expected,
         "tolerance": check.tolerance,
+        "unit": check.unit,
         "pass": check.pass,
         "note": check.note,
     })

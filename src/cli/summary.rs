@@ -117,5 +117,11 @@ fn triple(values: [f64; 3]) -> String {
 /// Name, value, expected value, tolerance and verdict of a check. What is expected says the unit.
 pub(super) fn check_cells(check: &Check) -> [String; 5] {
     let value = if check.note.is_empty() { short(check.value) } else { format!("none: {}", check.note) };
-    [check.name.clone(), value, check.expected.clone(), check.tolerance.clone(), verdict(check.pass).to_owned()]
+    [
+        check.name.clone(),
+        value,
+        check.expected_text.clone(),
+        check.tolerance_text.clone(),
+        verdict(check.pass).to_owned(),
+    ]
 }

@@ -14,10 +14,16 @@ pub struct Check {
     pub name: String,
     /// The value that came out, in the unit of its series; NaN if there is none.
     pub value: f64,
-    /// What it should be, with its unit.
-    pub expected: String,
-    /// How near it should be.
-    pub tolerance: String,
+    /// What it should be, in the same unit: the middle of what is accepted.
+    pub expected: f64,
+    /// Greatest |value − expected| that is accepted, in the same unit.
+    pub tolerance: f64,
+    /// Unit of the series; empty for pure numbers.
+    pub unit: String,
+    /// What the scene says that it should be, with its unit.
+    pub expected_text: String,
+    /// What the scene says how near it should be.
+    pub tolerance_text: String,
     /// Whether it is.
     pub pass: bool,
     /// Why there is no value; empty if there is one.
@@ -73,12 +79,17 @@ impl Resolved {
             Ok(value) => (value, String::new()),
             Err(why) => (f64::NAN, why),
         };
+        let (least, greatest) = self.accepted();
         Check {
             name: self.name.clone(),
             value,
-            expected: self.expected(unit),
-            tolerance: self.tolerance(unit),
-            pass: self.holds(value),
+            expected: 0.5 * (least + greatest),
+            tolerance: 0.5 * (greatest - least),
+            unit: unit.to_owned(),
+            expected_text: self.expected(unit),
+            tolerance_text: self.tolerance(unit),
+            // NaN is in no range.
+            pass: (least..=greatest).contains(&value),
             note,
         }
     }
@@ -92,16 +103,15 @@ impl Resolved {
         }
     }
 
-    /// Whether `value` is near enough; NaN is not.
-    fn holds(&self, value: f64) -> bool {
-        let (least, greatest) = match (&self.target, self.tolerance) {
+    /// The least and the greatest value that is accepted.
+    fn accepted(&self) -> (f64, f64) {
+        match (&self.target, self.tolerance) {
             (Target::Between(least, greatest), _) => (*least, *greatest),
             (Target::Number(number), Tolerance::Relative(_, d) | Tolerance::Absolute(d)) => (number - d, number + d),
-            (Target::Table(..), Tolerance::Relative(_, d) | Tolerance::Absolute(d)) => (0.0, d),
+            (Target::Table(..), Tolerance::Relative(_, d) | Tolerance::Absolute(d)) => (-d, d),
             (Target::Number(number), Tolerance::Range) => (*number, *number),
             (Target::Table(..), Tolerance::Range) => (0.0, 0.0),
-        };
-        (least..=greatest).contains(&value)
+        }
     }
 
     fn expected(&self, unit: &str) -> String {
@@ -158,8 +168,8 @@ mod tests {
         assert!(has_expectations(app.0.world()));
         let check = only(&app);
         assert!(check.pass && check.value < -1700.0, "{check:?}");
-        assert_eq!((check.tolerance.as_str(), check.note.as_str()), ("± 5 %", ""));
-        assert!(check.expected.starts_with("-17") && check.expected.ends_with(" N"), "{check:?}");
+        assert_eq!((check.tolerance_text.as_str(), check.note.as_str()), ("± 5 %", ""));
+        assert!(check.expected_text.starts_with("-17") && check.expected_text.ends_with(" N"), "{check:?}");
     }
 
     #[test]
@@ -207,7 +217,7 @@ mod tests {
             let app = measured(&expecting(&format!("(name: \"n\", of: \"floor.volume\", {is}, within: {within})")));
             let check = only(&app);
             assert!((check.value - value).abs() < 1e-9 && check.pass == pass, "{check:?}");
-            assert!(check.expected.ends_with("(1 rows)"));
+            assert!(check.expected_text.ends_with("(1 rows)"));
         }
     }
 }
