@@ -76,8 +76,7 @@ impl StoreggaApp for App {
         system: impl IntoScheduleConfigs<ScheduleSystem, M>,
     ) -> &mut Self {
         let mut registry = self.world_mut().get_resource_or_init::<RheologyRegistry>();
-        registry.register::<R>(name);
-        let order = registry.len();
+        let order = registry.register::<R>(name);
         let in_use = any_with_component::<R>;
         let system = system.in_set(RheologyOrder(order)).after(RheologyOrder(order - 1)).run_if(in_use);
         self.add_to_stage(Stage::Rheology, system)
@@ -198,7 +197,22 @@ pub fn open<M>(plugins: impl Plugins<M>, document: Document) -> Result<App, User
     load_scene(app.world_mut(), document)?;
     // A step of no duration finds neighbours, ghosts, forces and the first time step.
     app.world_mut().run_schedule(Step);
+    refuse_endless_run(app.world())?;
     Ok(app)
+}
+
+/// More steps than this are a mistake in the scene: years on any machine.
+const MOST_STEPS: f64 = 1e11;
+
+/// Refuses a scene whose time step would never come to its end.
+fn refuse_endless_run(world: &World) -> Result<(), UserError> {
+    let (clock, end_time) = (world.resource::<Clock>(), end_time(world));
+    if clock.stable_time_step * MOST_STEPS > end_time {
+        return Ok(());
+    }
+    let (step, limit) = (clock.stable_time_step, clock.stable_limit);
+    let message = format!("the time step would be {step:.2e} s, bound by {limit} (Eq. 19): the run would never end");
+    Err(UserError::plain(message).help("look at the greatest viscosity, the sound speed and the spacing"))
 }
 
 /// What the run loop tells while it runs, and where it hears that it should stop.

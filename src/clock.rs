@@ -44,9 +44,9 @@ pub struct Clock {
     pub stable_time_step: f64,
     /// What limits it.
     pub stable_limit: Limit,
-    /// Upper bound (m/s) on the speed of any particle or wall.
+    /// Greatest speed (m/s) of any fluid particle.
     pub greatest_speed: f64,
-    /// Upper bound (m/s²) on the acceleration of any fluid particle.
+    /// Greatest acceleration (m/s²) of any fluid particle.
     pub greatest_acceleration: f64,
 }
 

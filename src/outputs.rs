@@ -101,7 +101,7 @@ impl OutputTimes {
             every.due = false;
             if every.is_reached(time) {
                 let passed = (time / every.interval * (1.0 + ROUNDING)).floor() as u64;
-                every.count = passed.max(every.count) + 1;
+                every.count = passed.max(every.count).saturating_add(1);
             }
         }
     }

@@ -23,8 +23,10 @@ pub struct Output;
 pub enum Stage {
     /// v ← v + ½Δt a ([`physics::integration`](crate::physics)).
     FirstKick,
-    /// x ← x + Δt v; walls and structures move as prescribed.
+    /// x ← x + Δt v.
     Drift,
+    /// Walls and structures move as prescribed.
+    MoveBodies,
     /// Neighbour lists, when particles have moved far enough to need new ones.
     Neighbours,
     /// ∇_iW_ij and W_ij of every listed pair (Eqs. 3, 4).
@@ -97,7 +99,17 @@ pub(crate) fn init(app: &mut App) {
     let rules = ScheduleBuildSettings { ambiguity_detection: LogLevel::Error, ..ScheduleBuildSettings::default() };
     use Stage as S;
     let order = (
-        (S::FirstKick, S::Drift, S::Neighbours, S::PairKernel, S::GhostVelocity, S::StrainRate, S::Rheology).chain(),
+        (
+            S::FirstKick,
+            S::Drift,
+            S::MoveBodies,
+            S::Neighbours,
+            S::PairKernel,
+            S::GhostVelocity,
+            S::StrainRate,
+            S::Rheology,
+        )
+            .chain(),
         (S::Continuity, S::Diffusion, S::State, S::GhostPressure).chain(),
         (S::Momentum, S::BodyForce, S::Loads, S::SecondKick, S::TimeStep).chain(),
     );

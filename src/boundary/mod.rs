@@ -8,7 +8,7 @@ mod walls;
 
 pub use body::{Body, BodyShape};
 pub use loads::{Load, Structure, force_on_particles, sum_loads};
-pub use motion::{Kinematics, Motion, TableRow};
+pub use motion::{Kinematics, Motion, TableRow, move_bodies};
 pub use structures::{StructureSpec, StructuresSection};
 pub(crate) use walls::body_shapes;
 pub use walls::{FluidSide, WallSpec, WallsSection};
@@ -25,8 +25,7 @@ pub struct BoundaryPlugin;
 impl Plugin for BoundaryPlugin {
     fn build(&self, app: &mut App) {
         app.register_scene_section::<WallsSection>().register_scene_section::<StructuresSection>();
-        app.add_to_stage(Stage::Drift, motion::move_bodies.after(crate::physics::drift));
-        app.set_stage(
+        app.set_stage(Stage::MoveBodies, move_bodies, move_bodies).set_stage(
             Stage::Loads,
             (force_on_particles::<2>, sum_loads).chain(),
             (force_on_particles::<3>, sum_loads).chain(),

@@ -109,8 +109,17 @@ impl Motion {
         };
         match self {
             Self::Still => Ok(()),
-            Self::Translation { velocity, .. } => {
-                coordinates(*velocity, dimension).map_err(|invalid| invalid.under("velocity"))
+            Self::Translation { velocity, from, until } => {
+                coordinates(*velocity, dimension).map_err(|invalid| invalid.under("velocity"))?;
+                if *from < 0.0 {
+                    return Err(Invalid::new("from", format!("must not be negative, got {from} s")));
+                }
+                match until {
+                    Some(until) if until <= from => {
+                        Err(Invalid::new("until", format!("must be later than `from` ({from} s), got {until} s")))
+                    }
+                    _ => Ok(()),
+                }
             }
             Self::Rotation { center, axis, .. } => {
                 coordinates(*center, dimension).map_err(|invalid| invalid.under("center"))?;
@@ -122,11 +131,25 @@ impl Motion {
                 if rows.len() < 2 {
                     return Err(Invalid::new("rows", "a table needs at least 2 rows"));
                 }
+                for (k, row) in rows.iter().enumerate() {
+                    let path = format!("rows.{k}.displacement");
+                    coordinates(row.displacement, dimension).map_err(|invalid| invalid.under(&path))?;
+                }
                 match rows.windows(2).position(|pair| pair[1].time <= pair[0].time) {
                     Some(k) => Err(Invalid::new(format!("rows.{}.time", k + 1), "times must increase from row to row")),
                     None => Ok(()),
                 }
             }
+        }
+    }
+
+    /// Whether the body turns: it then does not fit into a scene that repeats itself.
+    #[must_use]
+    pub fn turns(&self) -> bool {
+        match self {
+            Self::Still | Self::Translation { .. } => false,
+            Self::Rotation { .. } => true,
+            Self::Table { rows, .. } => rows.iter().any(|row| row.angle != 0.0),
         }
     }
 
@@ -206,7 +229,7 @@ type Moved = (
 );
 
 /// Puts the particles of every moving body where it is at the end of the step.
-pub(super) fn move_bodies(
+pub fn move_bodies(
     clock: Res<Clock>,
     mut neighbours: ResMut<Neighbours>,
     bodies: Query<(&Body, &Motion, Has<super::Structure>)>,

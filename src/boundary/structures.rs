@@ -7,9 +7,10 @@ use serde::{Deserialize, Serialize};
 
 use super::body::{Body, BodyShape, spawn_body};
 use super::{Motion, Structure};
+use crate::neighbours::PeriodicSides;
 use crate::particles::{Slip, Solid};
 use crate::scene::geometry::{Point, Shape, coordinates, solid_particles};
-use crate::scene::{Invalid, Resolution, SceneSection, SectionError};
+use crate::scene::{Invalid, Resolution, SceneSection, SectionError, limit_particles};
 
 /// Section `structures`: the structures by name.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -48,6 +49,11 @@ impl SceneSection for StructuresSection {
         for (name, structure) in &self.0 {
             structure.shape.check(dimension).map_err(|invalid| invalid.under("shape").under(name))?;
             structure.motion.check(dimension).map_err(|invalid| invalid.under("motion").under(name))?;
+            if structure.motion.turns() && world.resource::<PeriodicSides>().any() {
+                return Err(Invalid::new(format!("{name}.motion"), "a body cannot turn between periodic sides"));
+            }
+            limit_particles(structure.shape.bounds(), world.resource::<Resolution>())
+                .map_err(|invalid| invalid.under("shape").under(name))?;
             if let Some(point) = structure.moment_about {
                 coordinates(point, dimension).map_err(|invalid| invalid.under("moment_about").under(name))?;
             }

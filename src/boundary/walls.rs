@@ -10,7 +10,7 @@ use crate::kernels::SmoothingKernel;
 use crate::neighbours::PeriodicSides;
 use crate::particles::{Slip, Wall};
 use crate::scene::geometry::{Shape, Side, ghost_layers};
-use crate::scene::{Invalid, Resolution, SceneSection, SectionError};
+use crate::scene::{Invalid, Resolution, SceneSection, SectionError, limit_particles};
 
 /// Section `walls`: the walls by name.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -63,6 +63,11 @@ impl SceneSection for WallsSection {
                 cut.check(dimension).map_err(|invalid| invalid.under("cut").under(name))?;
             }
             wall.motion.check(dimension).map_err(|invalid| invalid.under("motion").under(name))?;
+            if wall.motion.turns() && world.resource::<PeriodicSides>().any() {
+                return Err(Invalid::new(format!("{name}.motion"), "a body cannot turn between periodic sides"));
+            }
+            limit_particles(wall.shape.bounds(), world.resource::<Resolution>())
+                .map_err(|invalid| invalid.under("shape").under(name))?;
         }
         Ok(())
     }

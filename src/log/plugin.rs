@@ -43,10 +43,13 @@ impl SceneSection for LogSection {
         Some(Self::default())
     }
 
-    fn check(&self, _: &World) -> Result<(), Invalid> {
+    fn check(&self, world: &World) -> Result<(), Invalid> {
+        let least = LEAST_INTERVAL * world.resource::<SceneInfo>().end_time;
         for (name, interval) in [("particles", self.particles), ("series", self.series)] {
-            if let Some(interval) = interval.filter(|interval| *interval <= 0.0) {
-                return Err(Invalid::new(name, format!("must be greater than 0, got {interval} s")));
+            if let Some(interval) = interval.filter(|interval| *interval <= least) {
+                let message =
+                    format!("must be greater than {least:.1e} s (ten million outputs a run), got {interval} s");
+                return Err(Invalid::new(name, message));
             }
         }
         Ok(())
@@ -60,6 +63,9 @@ impl SceneSection for LogSection {
         Ok(())
     }
 }
+
+/// Shortest interval of outputs, in units of the end time.
+const LEAST_INTERVAL: f64 = 1e-7;
 
 /// The log of the run. Without this resource nothing is written.
 #[derive(Resource, Debug)]

@@ -10,8 +10,8 @@ use super::sort::sort_fluid;
 use super::{PairList, PeriodicSides, Rows, add_images};
 use crate::app::StoreggaApp;
 use crate::kernels::SmoothingKernel;
-use crate::particles::{Fluid, Position, Solid, Wall, columns};
-use crate::scene::{Invalid, SceneSection, SectionError};
+use crate::particles::{Fluid, Position, RestPosition, Solid, Wall, columns};
+use crate::scene::{Invalid, SceneDocument, SceneSection, SectionError};
 use crate::schedule::Stage;
 
 /// How neighbour lists are kept: section `neighbours` of a scene. It decides about speed; results change by rounding
@@ -48,6 +48,16 @@ impl SceneSection for NeighbourSettings {
     }
 
     fn spawn(self, world: &mut World) -> Result<(), SectionError> {
+        // A particle must not meet two images of another, nor its own.
+        let reach = (1.0 + self.skin) * world.resource::<SmoothingKernel>().0.radius();
+        let sides = *world.resource::<PeriodicSides>();
+        for (axis, sides) in ["x", "y", "z"].iter().zip(sides.0) {
+            if let Some((from, to)) = sides.filter(|(from, to)| to - from < reach) {
+                let message = format!("a period of {} m is too short: neighbours are {reach} m away", to - from);
+                let document = &world.resource::<SceneDocument>().0;
+                return Err(document.invalid(&Invalid::new(format!("periodic.{axis}"), message)).into());
+            }
+        }
         world.insert_resource(self);
         Ok(())
     }
@@ -110,10 +120,21 @@ fn set_reach(mut neighbours: ResMut<Neighbours>, settings: Res<NeighbourSettings
     neighbours.sort_every = settings.sort_every;
 }
 
-/// Puts fluid that left through a periodic side back in at the other.
-fn wrap_fluid(sides: Res<PeriodicSides>, mut fluid: Query<&mut Position, With<Fluid>>) {
-    if sides.0.iter().any(Option::is_some) {
-        fluid.iter_mut().for_each(|mut position| position.0 = sides.wrap(position.0));
+/// Puts particles that left through a periodic side back in at the other.
+fn wrap_particles(
+    sides: Res<PeriodicSides>,
+    mut fluid: Query<&mut Position, With<Fluid>>,
+    mut ghosts: Query<(&mut Position, &mut RestPosition), Without<Fluid>>,
+) {
+    if !sides.any() {
+        return;
+    }
+    fluid.iter_mut().for_each(|mut x| x.0 = sides.wrap(x.0));
+    for (mut x, mut rest) in &mut ghosts {
+        // The whole motion of a ghost starts from its rest position: it goes round with it.
+        let shift = sides.wrap(x.0) - x.0;
+        x.0 += shift;
+        rest.0 += shift;
     }
 }
 
@@ -175,7 +196,7 @@ impl Plugin for NeighboursPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<Neighbours>();
         app.register_scene_section::<NeighbourSettings>();
-        let systems = || (set_reach, (wrap_fluid, sort_fluid, build_lists).chain().run_if(lists_are_stale)).chain();
+        let systems = || (set_reach, (wrap_particles, sort_fluid, build_lists).chain().run_if(lists_are_stale)).chain();
         app.set_stage(Stage::Neighbours, systems(), systems());
     }
 }

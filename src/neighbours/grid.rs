@@ -36,6 +36,8 @@ impl Grid {
     pub fn lay(&mut self, min: DVec3, max: DVec3, reach: f64, rows: usize) {
         let extent = max - min;
         let mut cell = reach;
+        // Particles at infinity are found by the watch over divergence; here they must only not hang the search.
+        let extent = if extent.is_finite() { extent } else { DVec3::ZERO };
         loop {
             let cells = extent.to_array().map(|length| (length / cell).floor() + 1.0);
             if cells.iter().product::<f64>() <= CELLS_PER_ROW * rows as f64 + 1000.0 {

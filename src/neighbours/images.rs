@@ -38,6 +38,25 @@ impl PeriodicSides {
         DVec3::from_array(wrapped)
     }
 
+    /// The images of `position` beyond every periodic side, one period away along one axis or more.
+    pub fn images_of(&self, position: DVec3) -> impl Iterator<Item = DVec3> {
+        let sides = self.0;
+        let shifts = move |axis: usize| {
+            let period = sides[axis].map_or(0.0, |(from, to)| to - from);
+            if period > 0.0 { vec![0.0, -period, period] } else { vec![0.0] }
+        };
+        let shifts = shifts(0).into_iter().flat_map(move |x| {
+            shifts(1).into_iter().flat_map(move |y| shifts(2).into_iter().map(move |z| DVec3::new(x, y, z)))
+        });
+        shifts.filter(|shift| *shift != DVec3::ZERO).map(move |shift| position + shift)
+    }
+
+    /// Whether the scene repeats itself along any axis.
+    #[must_use]
+    pub fn any(&self) -> bool {
+        self.0.iter().any(Option::is_some)
+    }
+
     /// Whether `position` lies between the sides of every periodic axis.
     #[must_use]
     pub fn contains(&self, position: DVec3) -> bool {

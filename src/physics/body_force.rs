@@ -101,7 +101,9 @@ pub(super) fn apply_body_force(
     gravity: Res<Gravity>,
     mut fluid: Query<(&Velocity, &mut Acceleration), With<Fluid>>,
 ) -> Result {
-    let k = settling.damping(clock.time);
+    // Over a step, v e^(−kΔt) is exact and stable for any rate.
+    let (k, dt) = (settling.damping(clock.time), clock.time_step);
+    let k = if dt > 0.0 { -(-k * dt).exp_m1() / dt } else { k };
     for (velocity, mut acceleration) in fluid.contiguous_iter_mut()? {
         (velocity, acceleration.bypass_change_detection())
             .into_par_iter()

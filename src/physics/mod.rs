@@ -29,5 +29,4 @@ pub use strain_rate::{StrainSettings, strain_rate};
 pub use time_step::{Divergence, DivergenceReport, TimeStepSettings};
 pub use viscous_force::{CentralForm, LaplacianForm, ViscousForce, ViscousForm};
 
-pub(crate) use integration::drift;
 pub(crate) use momentum::{PairTerms, with_forms};

@@ -26,7 +26,8 @@ impl Plugin for PhysicsPlugin {
             .register_scene_section::<Settling>()
             .register_scene_section::<TimeStepSettings>();
 
-        app.set_stage(Stage::FirstKick, (ramp_gravity, kick), (ramp_gravity, kick))
+        app.add_to_stage(Stage::FirstKick, ramp_gravity)
+            .set_stage(Stage::FirstKick, kick, kick)
             .set_stage(Stage::Drift, drift, drift)
             .set_stage(Stage::PairKernel, pair_kernel::<2>, pair_kernel::<3>)
             .set_stage(Stage::GhostVelocity, ghost_velocity, ghost_velocity)

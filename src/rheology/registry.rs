@@ -48,17 +48,16 @@ type Read = fn(&Document, &Named<'_>, &str, &mut EntityWorldMut) -> Result<Rheol
 #[derive(Resource, Default)]
 pub struct RheologyRegistry {
     entries: Vec<(String, Read)>,
+    registrations: usize,
 }
 
 impl RheologyRegistry {
-    pub(crate) fn register<R: Rheology>(&mut self, name: &str) {
+    /// Registers `R` in the place of what had its name; how many registrations there have been.
+    pub(crate) fn register<R: Rheology>(&mut self, name: &str) -> usize {
         self.entries.retain(|(known, _)| known != name);
         self.entries.push((name.to_owned(), read::<R>));
-    }
-
-    /// Number of rheologies registered so far.
-    pub(crate) fn len(&self) -> usize {
-        self.entries.len()
+        self.registrations += 1;
+        self.registrations
     }
 
     /// Reads the rheology at `path` of the scene and gives it to the phase `entity`.

@@ -1,19 +1,20 @@
 //! Fluids of a scene: shapes filled with particles of a phase.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
+use super::columns::Depths;
 use super::geometry::{LatticeIndex, Point, Shape, coordinates, lattice};
-use super::hydrostatics::Column;
+use super::limits::limit_particles;
 use super::{Invalid, Resolution, SceneSection, SectionError};
 use crate::boundary::{BodyShape, body_shapes};
 use crate::neighbours::PeriodicSides;
 use crate::particles::{Density, Fluid, Mass, ParticleId, PhaseIndex, Position, Pressure, ReferenceDensity, Velocity};
 use crate::phases::{phase_named, phases};
-use crate::physics::{EquationOfState, Gravity, StateSettings};
+use crate::physics::{EquationOfState, Gravity, Settling, StateSettings};
 
 /// Section `fluids`: what is filled with which phase.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -55,11 +56,13 @@ pub struct FilledFluids {
     pub fluids: Vec<(Shape, f64)>,
     /// Number of particles of each phase.
     pub particles: Vec<usize>,
+    /// Walls and structures, where there is no fluid.
+    pub bodies: Vec<BodyShape>,
 }
 
 /// A particle may not be nearer (in spacings) to the surface of a wall or structure than this: on a slanted wall the
 /// lattice has places exactly on the surface.
-const WALL_CLEARANCE: f64 = 0.25;
+pub(super) const WALL_CLEARANCE: f64 = 0.25;
 
 /// Fluid that reaches deeper (in spacings) into a wall than this is a mistake in the scene.
 const OVERLAP: f64 = 0.75;
@@ -68,10 +71,10 @@ const OVERLAP: f64 = 0.75;
 const EDGE: f64 = 1e-9;
 
 /// A particle to be.
-struct Seed {
-    index: LatticeIndex,
-    position: DVec3,
-    fluid: usize,
+pub(super) struct Seed {
+    pub(super) index: LatticeIndex,
+    pub(super) position: DVec3,
+    pub(super) fluid: usize,
 }
 
 impl SceneSection for FluidsSection {
@@ -96,12 +99,14 @@ impl SceneSection for FluidsSection {
         for (k, fluid) in self.0.iter().enumerate() {
             kinds.push(phase_named(world, &format!("{k}.phase"), &fluid.phase)?);
         }
+        self.refuse_weight_before_gravity(world)?;
         let seeds = self.seeds(world)?;
         let filled = FilledFluids {
             fluids: self.0.iter().zip(&kinds).map(|(fluid, (_, rho0))| (fluid.shape.clone(), *rho0)).collect(),
             particles: count(&seeds, kinds.iter().map(|(phase, _)| phase.index as usize)),
+            bodies: body_shapes(world).into_iter().map(|(_, shape, _)| shape).collect(),
         };
-        let depths = Depths::of(world, &seeds, |fluid| kinds[fluid].1);
+        let depths = Depths::of(world, &seeds, &filled.bodies, |fluid| kinds[fluid].1);
         let state = choose_state(world, depths.as_ref(), &self.0)?;
         let volume = world.resource::<Resolution>().particle_volume();
         let mut particles = Vec::with_capacity(seeds.len());
@@ -133,6 +138,19 @@ impl SceneSection for FluidsSection {
 }
 
 impl FluidsSection {
+    /// A hydrostatic start under a gravity that has yet to grow would spring up like a released spring.
+    fn refuse_weight_before_gravity(&self, world: &World) -> Result<(), Invalid> {
+        let ramp = matches!(world.resource::<Settling>(), Settling::GravityRamp { .. });
+        match self.0.iter().position(|fluid| ramp && fluid.pressure == InitialPressure::Hydrostatic) {
+            Some(k) => {
+                let message =
+                    "gravity grows from 0 (`settling`), so there is no hydrostatic pressure yet: use Uniform(0.0)";
+                Err(Invalid::new(format!("{k}.pressure"), message))
+            }
+            None => Ok(()),
+        }
+    }
+
     /// Centres of the particles of every fluid.
     fn seeds(&self, world: &mut World) -> Result<Vec<Seed>, Invalid> {
         let resolution = *world.resource::<Resolution>();
@@ -142,6 +160,8 @@ impl FluidsSection {
         let mut seeds = Vec::new();
         for (k, fluid) in self.0.iter().enumerate() {
             let before = seeds.len();
+            limit_particles(fluid.shape.bounds(), &resolution)
+                .map_err(|invalid| invalid.under(&format!("{k}.shape")))?;
             let points = lattice(
                 &fluid.shape,
                 resolution.dimension,
@@ -150,7 +170,7 @@ impl FluidsSection {
                 -EDGE * resolution.spacing,
             );
             for point in points.into_iter().filter(|point| periodic.contains(point.position)) {
-                if !is_free(point.position, &bodies, resolution.spacing)
+                if !is_free(point.position, &bodies, &periodic, resolution.spacing)
                     .map_err(|wall| overlap(k, fluid, point.position, &wall))?
                 {
                     continue;
@@ -177,14 +197,21 @@ impl FluidsSection {
 }
 
 /// Whether a fluid particle can be at `x`; the name of the wall that it would be deep in is an error.
-fn is_free(x: DVec3, bodies: &[(String, BodyShape, bool)], spacing: f64) -> Result<bool, String> {
+fn is_free(
+    x: DVec3,
+    bodies: &[(String, BodyShape, bool)],
+    periodic: &PeriodicSides,
+    spacing: f64,
+) -> Result<bool, String> {
     let mut free = true;
     for (name, shape, is_structure) in bodies {
         let clearance = shape.clearance(x) / spacing;
         if clearance < -OVERLAP && !is_structure {
             return Err(name.clone());
         }
-        free &= clearance >= WALL_CLEARANCE;
+        // A structure on a periodic side is in the way at the other side, too.
+        let images = || periodic.images_of(x).any(|image| shape.clearance(image) < WALL_CLEARANCE * spacing);
+        free &= clearance >= WALL_CLEARANCE && !(*is_structure && images());
     }
     Ok(free)
 }
@@ -205,70 +232,6 @@ fn count(seeds: &[Seed], phase_of_fluid: impl Iterator<Item = usize>) -> Vec<usi
     particles
 }
 
-/// The columns of fluid above each place, along gravity.
-struct Depths {
-    axis: usize,
-    /// +1 if the axis points up, −1 if it points down.
-    up: f64,
-    columns: BTreeMap<LatticeIndex, Column>,
-}
-
-impl Depths {
-    /// Stacks the cells of every column; `None` if gravity vanishes, is oblique, or acts along a periodic axis.
-    fn of(world: &World, seeds: &[Seed], reference_density: impl Fn(usize) -> f64) -> Option<Self> {
-        let gravity = world.resource::<Gravity>().full;
-        let (axis, up) = vertical(gravity)?;
-        if world.resource::<PeriodicSides>().0[axis].is_some() {
-            return None;
-        }
-        let spacing = world.resource::<Resolution>().spacing;
-        let chi = world.resource::<StateSettings>().background_pressure;
-        let mut from_the_top: Vec<&Seed> = seeds.iter().collect();
-        from_the_top.sort_by(|a, b| (up * b.position[axis]).total_cmp(&(up * a.position[axis])));
-        let mut columns: BTreeMap<LatticeIndex, Column> = BTreeMap::new();
-        for seed in from_the_top {
-            let column = columns.entry(foot(seed.index, axis)).or_insert_with(|| Column {
-                gravity: gravity.length(),
-                surface_pressure: chi,
-                ..Column::default()
-            });
-            column.push(up * seed.position[axis] + 0.5 * spacing, spacing, reference_density(seed.fluid));
-        }
-        Some(Self { axis, up, columns })
-    }
-
-    fn pressure(&self, seed: &Seed, state: &EquationOfState) -> f64 {
-        let height = self.up * seed.position[self.axis];
-        self.columns.get(&foot(seed.index, self.axis)).map_or(state.background_pressure, |column| {
-            column.compressible(height, state.bulk_modulus, state.background_pressure)
-        })
-    }
-
-    /// Greatest incompressible pressure (Pa) above χ, and the height (m) from the lowest to the highest fluid.
-    fn extremes(&self) -> (f64, f64) {
-        let (mut pressure, mut top, mut bottom) = (0.0_f64, f64::NEG_INFINITY, f64::INFINITY);
-        for column in self.columns.values() {
-            let (Some(first), Some(last)) = (column.layers.first(), column.layers.last()) else { continue };
-            pressure = pressure.max(column.incompressible(last.bottom) - column.surface_pressure);
-            (top, bottom) = (top.max(first.top), bottom.min(last.bottom));
-        }
-        (pressure, top - bottom)
-    }
-}
-
-/// Index of a column: that of its cells, without the one along the axis.
-fn foot(mut index: LatticeIndex, axis: usize) -> LatticeIndex {
-    index[axis] = 0;
-    index
-}
-
-/// The axis along which gravity acts and whether it points up (+1) or down (−1); `None` if gravity is oblique or zero.
-pub(crate) fn vertical(gravity: DVec3) -> Option<(usize, f64)> {
-    let axis = (0..3).max_by(|a, b| gravity[*a].abs().total_cmp(&gravity[*b].abs()))?;
-    let along = gravity[axis].abs();
-    (along > 0.0 && (gravity.length() - along) < 1e-12 * along).then(|| (axis, -gravity[axis].signum()))
-}
-
 /// Eq. 8, with p_max and v_max of the scene or estimated from it.
 fn choose_state(
     world: &mut World,
@@ -284,33 +247,10 @@ fn choose_state(
     let max_pressure = settings.max_pressure.unwrap_or(depth_pressure);
     let max_speed = settings.max_speed.unwrap_or(dam_break_speed.max(start_speed));
     let state = EquationOfState::new(&densities, &settings, max_pressure, max_speed);
-    if state.bulk_modulus > 0.0 {
+    if state.bulk_modulus > 0.0 && state.bulk_modulus.is_finite() {
         return Ok(state);
     }
     let document = &world.resource::<super::SceneDocument>().0;
-    let message = "the sound speed cannot be estimated: give `max_speed` (m/s) or `max_pressure` (Pa)";
+    let message = "the sound speed comes out as 0 or infinite: give `max_speed` (m/s) or `max_pressure` (Pa)";
     Err(document.invalid(&Invalid::new(StateSettings::NAME, message)).into())
-}
-
-impl FilledFluids {
-    /// The column of layers at rest through the place `x` (m), cell by cell of height `spacing` (m); empty if gravity
-    /// is oblique or zero.
-    #[must_use]
-    pub fn column(&self, x: DVec3, gravity: DVec3, spacing: f64, surface_pressure: f64) -> Column {
-        let mut column = Column { gravity: gravity.length(), surface_pressure, ..Column::default() };
-        let Some((axis, up)) = vertical(gravity) else { return column };
-        let heights =
-            self.fluids.iter().map(|(shape, _)| shape.bounds()).flat_map(|(a, b)| [up * a[axis], up * b[axis]]);
-        let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)));
-        let (first, last) = ((high / spacing).ceil() as i64 - 1, (low / spacing).floor() as i64);
-        for cell in (last..=first).rev() {
-            let height = (cell as f64 + 0.5) * spacing;
-            let mut center = x;
-            center[axis] = up * height;
-            if let Some((_, rho0)) = self.fluids.iter().find(|(shape, _)| shape.contains(center)) {
-                column.push(height + 0.5 * spacing, spacing, *rho0);
-            }
-        }
-        column
-    }
 }

@@ -178,15 +178,6 @@ fn load_kernel(document: &Document, world: &mut World, resolution: &Resolution) 
     let Some(kernel) = kernel else {
         return Err(document.invalid(&Invalid::new("kernel", format!("no kernel `{name}` is registered"))));
     };
-    let reach = 1.5 * kernel.0.radius();
-    for (axis, sides) in
-        ["x", "y", "z"].iter().zip(world.get_resource::<PeriodicSides>().copied().unwrap_or_default().0)
-    {
-        if let Some((from, to)) = sides.filter(|(from, to)| to - from < reach) {
-            let message = format!("a period of {} m is too short for a kernel that reaches {reach} m", to - from);
-            return Err(document.invalid(&Invalid::new(format!("periodic.{axis}"), message)));
-        }
-    }
     let facts = (String::from("kernel"), name.clone());
     world.insert_resource(kernel);
     let mut noted = world.get_resource_or_init::<SceneFacts>();

@@ -12,6 +12,8 @@ pub struct Layer {
     pub bottom: f64,
     /// Reference density ρ0 (kg/m³).
     pub reference_density: f64,
+    /// Whether its top is a free surface: the highest layer's is, and that of a layer with air above it.
+    pub free_top: bool,
 }
 
 /// A column of layers, from the top down, each beginning where the one above ends.
@@ -26,20 +28,24 @@ pub struct Column {
 }
 
 impl Column {
-    /// Adds a cell of `height` (m) below the others, as part of the lowest layer if it is of the same density.
-    pub(super) fn push(&mut self, top: f64, height: f64, reference_density: f64) {
+    /// Adds a cell of `height` (m) below the others, as part of the lowest layer if it is of the same density. A gap
+    /// above it that a body fills (`in_body`) counts as fluid, for the fluid beside the body carries on the pressure; with
+    /// air above it the cell begins anew.
+    pub(super) fn push(&mut self, top: f64, height: f64, reference_density: f64, in_body: impl FnOnce(f64) -> bool) {
         let bottom = top - height;
-        match self.layers.last_mut() {
-            // A gap (a structure in the fluid) carries the weight of what lies above it.
-            Some(layer) if layer.reference_density == reference_density => layer.bottom = bottom,
-            above => {
-                let top = above.map_or(top, |layer| {
-                    layer.bottom = top;
-                    top
-                });
-                self.layers.push(Layer { top, bottom, reference_density });
+        let mut free_top = true;
+        if let Some(above) = self.layers.last_mut() {
+            let is_beside = above.bottom - top < 0.5 * height;
+            free_top = !is_beside && !in_body(above.bottom);
+            if !free_top {
+                above.bottom = top;
+                if above.reference_density == reference_density {
+                    above.bottom = bottom;
+                    return;
+                }
             }
         }
+        self.layers.push(Layer { top, bottom, reference_density, free_top });
     }
 
     /// Pressure (Pa) at `height` (m) of a liquid with bulk modulus B (Pa) and background pressure χ (Pa).
@@ -61,6 +67,9 @@ impl Column {
     fn descend(&self, height: f64, below: impl Fn(f64, f64, f64) -> f64) -> f64 {
         let mut p = self.surface_pressure;
         for (k, layer) in self.layers.iter().enumerate() {
+            if layer.free_top {
+                p = self.surface_pressure;
+            }
             if height >= layer.bottom || k + 1 == self.layers.len() {
                 return below(p, layer.reference_density, layer.top - height);
             }
@@ -77,7 +86,7 @@ mod tests {
     fn two_layers() -> Column {
         let mut column = Column { gravity: 9.81, ..Column::default() };
         for k in 0..10 {
-            column.push(0.4 - 0.04 * f64::from(k), 0.04, if k < 5 { 1000.0 } else { 2000.0 });
+            column.push(0.4 - 0.04 * f64::from(k), 0.04, if k < 5 { 1000.0 } else { 2000.0 }, |_| false);
         }
         column
     }
@@ -111,10 +120,13 @@ mod tests {
     }
 
     #[test]
-    fn a_gap_carries_the_weight_of_what_lies_above() {
-        let mut column = Column { gravity: 10.0, ..Column::default() };
-        column.push(1.0, 0.1, 1000.0);
-        column.push(0.5, 0.1, 2000.0);
-        assert!((column.incompressible(0.5) - 5000.0).abs() < 1e-9);
+    fn a_body_carries_the_weight_of_what_lies_above_and_air_does_not() {
+        for (in_body, pressure) in [(true, 5000.0), (false, 0.0)] {
+            let mut column = Column { gravity: 10.0, ..Column::default() };
+            column.push(1.0, 0.1, 1000.0, |_| in_body);
+            column.push(0.5, 0.1, 2000.0, |_| in_body);
+            assert!((column.incompressible(0.5) - pressure).abs() < 1e-9);
+            assert!((column.incompressible(0.95) - 500.0).abs() < 1e-9);
+        }
     }
 }

@@ -1,21 +1,24 @@
 //! Scenes: RON text, read strictly, and what becomes of it.
 
+mod columns;
 pub mod document;
 mod fluids;
 pub mod geometry;
 mod header;
 mod hydrostatics;
 pub mod invalid;
+mod limits;
 mod load;
 mod section;
 mod variant;
 
+pub(crate) use columns::vertical;
 pub use document::{Document, Named, Node, flatten, nearest};
-pub(crate) use fluids::vertical;
 pub use fluids::{FilledFluids, FluidSpec, FluidsSection, InitialPressure};
 pub use header::{Header, Periodic, Resolution, SceneInfo};
 pub use hydrostatics::{Column, Layer};
 pub use invalid::Invalid;
+pub(crate) use limits::limit_particles;
 pub use load::{Deferred, SceneDocument, load_scene};
 pub use section::{SceneFacts, SceneSection, SectionError, SectionRegistry};
 pub use variant::open_document;
