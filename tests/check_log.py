@@ -28,4 +28,5 @@ assert 0.0 < row["x"] < 0.4 and 0.0 < row["y"] < 0.41, row
 reference = 1000.0 if row["phase"] == 0 else 2000.0
 bulk_modulus = 100.0 * 9.81 * 0.2 * 3000.0
 expected = bulk_modulus * (row["density"] / reference - 1.0)
-assert abs(row["pressure"] - expected) < 0.01 * 5886.0, (row, expected)
+# Single precision: 2⁻²⁴ of the density is 0.04 Pa.
+assert abs(row["pressure"] - expected) < 1.0, (row, expected)

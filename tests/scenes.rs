@@ -1,5 +1,5 @@
 //! Every scene that has expectations is a test: the coarse variants in `scenes/ci`, and with `STOREGGA_FULL=1` the shipped
-//! scenes at their own spacing too.
+//! scenes at their own spacing and their variants in `scenes/fine` too.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -17,7 +17,8 @@ fn main() -> ExitCode {
     let full = std::env::var_os("STOREGGA_FULL").is_some_and(|value| value == "1");
     let coarse = trials(&scenes.join("ci"), "ci/", false);
     let shipped = trials(&scenes, "", !full);
-    libtest_mimic::run(&arguments, coarse.into_iter().chain(shipped).collect()).exit_code()
+    let fine = trials(&scenes.join("fine"), "fine/", !full);
+    libtest_mimic::run(&arguments, coarse.into_iter().chain(shipped).chain(fine).collect()).exit_code()
 }
 
 /// A test for each scene of a folder that has expectations or cannot be read.

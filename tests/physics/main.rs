@@ -6,5 +6,7 @@ mod ghosts;
 mod kernels;
 mod linear_fields;
 mod neighbours;
+mod periodic;
+mod refusals;
 mod support;
 mod twin;

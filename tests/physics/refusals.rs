@@ -1,0 +1,73 @@
+//! Scenes that would hang, burst or mislead are refused with their place.
+
+use storegga::app::{PaperPlugins, open};
+use storegga::scene::Document;
+
+use crate::support::{periodic_box, tank};
+
+/// What is said of the scene `text` with overrides.
+fn refusal(text: &str, overrides: &[&str]) -> String {
+    let mut document = Document::parse("test.ron", text).unwrap_or_else(|error| panic!("{}", error.render(false)));
+    for pair in overrides {
+        document = document.set_pair(pair).unwrap_or_else(|error| panic!("{}", error.render(false)));
+    }
+    match open(PaperPlugins, document) {
+        Ok(_) => panic!("{overrides:?} was accepted"),
+        Err(error) => error.render(false),
+    }
+}
+
+#[test]
+fn a_period_shorter_than_the_kernel_reaches() {
+    let said = refusal(&periodic_box(2), &["periodic.x=(0.0, 0.15)", "fluids.0.shape.max.0=0.15"]);
+    assert!(said.contains("test.ron:") && said.contains("a period of 0.15 m is too short"), "{said}");
+}
+
+#[test]
+fn more_particles_than_any_machine_holds() {
+    for overrides in
+        [["spacing=1e-9"], ["spacing=1e-320"], ["fluids.0.shape.max.0=1e300"], ["walls.tank.shape.max.0=1e9"]]
+    {
+        let said = refusal(&tank(2), &overrides);
+        assert!(said.contains("particles at a spacing of"), "{overrides:?}: {said}");
+    }
+}
+
+#[test]
+fn outputs_that_never_end() {
+    let said = refusal(&tank(2).replace("phases:", "log: (series: 1e-300), phases:"), &[]);
+    assert!(said.contains("must be greater than 1.0e-7 s"), "{said}");
+}
+
+#[test]
+fn weight_before_gravity() {
+    let said = refusal(&tank(2).replace("phases:", "settling: GravityRamp(until: 0.5), phases:"), &[]);
+    assert!(said.contains("no hydrostatic pressure yet"), "{said}");
+}
+
+#[test]
+fn time_steps_that_never_come_to_an_end() {
+    for (path, word) in [
+        ("phases.water.rheology.viscosity=1e200", "would never end"),
+        ("equation_of_state.max_speed=1e300", "infinite"),
+    ] {
+        let said = refusal(&tank(2).replace("phases:", "equation_of_state: (), phases:"), &[path]);
+        assert!(said.contains(word), "{path}: {said}");
+    }
+}
+
+#[test]
+fn motions_that_make_no_sense() {
+    for (motion, word) in [
+        ("Translation(velocity: (1.0, 0.0), from: 2.0, until: 1.0)", "later than `from`"),
+        ("Translation(velocity: (1.0, 0.0), from: -1.0)", "negative"),
+        (
+            "Table(center: (0.0, 0.0), rows: [(time: 0.0, displacement: (0.0, 0.0)), (time: 1.0, displacement: (0.0, 0.0, 5.0))])",
+            "rows.1.displacement",
+        ),
+    ] {
+        let text = tank(2).replace(r#""tank": ("#, &format!(r#""tank": (motion: {motion}, "#));
+        let said = refusal(&text, &[]);
+        assert!(said.contains(word), "{motion}: {said}");
+    }
+}
