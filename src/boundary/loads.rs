@@ -13,8 +13,8 @@ use rayon::prelude::*;
 use super::Body;
 use crate::neighbours::{Neighbours, sum_pairs};
 use crate::particles::{
-    BodyIndex, Density, Fluid, ForceOnParticle, GRAIN, Gather, Gathered, GhostVelocity, Mass, Position, Pressure, Slip,
-    Solid, Vector, Velocity, Viscosity, Volume, columns,
+    BodyIndex, Density, Fluid, ForceOnParticle, GRAIN, Gather, Gathered, GhostVelocity, Mass, PIECE, Position,
+    Pressure, Slip, Solid, Vector, Velocity, Viscosity, Volume, columns,
 };
 use crate::physics::{
     EquationOfState, Momentum, MomentumSettings, PairTerms, PairViscosity, PressureAverage, ViscousForce, with_forms,
@@ -116,7 +116,7 @@ fn sum_forces<const D: usize, P: PressureAverage, V: ViscousForce>(
     out: &mut [ForceOnParticle],
 ) {
     let first = neighbours.rows.fluid + neighbours.rows.walls;
-    out.par_iter_mut().with_min_len(GRAIN).enumerate().for_each(|(s, force)| {
+    out.par_iter_mut().with_min_len(GRAIN).with_max_len(PIECE).enumerate().for_each(|(s, force)| {
         let own = &records[first + s];
         let (mut pressure_force, mut viscous_force) = (Vector::ZERO, Vector::ZERO);
         sum_pairs(own, neighbours.structures.of(s), records, |other, pair| {

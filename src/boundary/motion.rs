@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use super::Body;
 use crate::clock::Clock;
 use crate::neighbours::Neighbours;
-use crate::particles::{BodyIndex, GRAIN, Position, RestPosition, Solid, Wall, WallAcceleration, WallVelocity};
+use crate::particles::{BodyIndex, GRAIN, PIECE, Position, RestPosition, Solid, Wall, WallAcceleration, WallVelocity};
 use crate::scene::Invalid;
 use crate::scene::geometry::{Point, coordinates};
 
@@ -260,7 +260,7 @@ fn move_particles<F: ArchetypeFilter>(
     for (index, rest, mut x, mut v, mut a) in particles.contiguous_iter_mut()? {
         let columns =
             (index, rest, x.bypass_change_detection(), v.bypass_change_detection(), a.bypass_change_detection());
-        let distance = columns.into_par_iter().with_min_len(GRAIN).map(|(index, rest, x, v, a)| {
+        let distance = columns.into_par_iter().with_min_len(GRAIN).with_max_len(PIECE).map(|(index, rest, x, v, a)| {
             if index.0 != body {
                 return 0.0;
             }

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::particles::{Gathered, Vector};
+use crate::particles::{Gathered, PIECE, Vector};
 
 /// Owners that share one piece of memory; lists are built and their kernels evaluated piece by piece in parallel.
 const CHUNK: usize = 512;
@@ -69,7 +69,7 @@ impl PairList {
     /// Lists anew: `find(i, rows)` appends the neighbours of owner i.
     pub(super) fn build(&mut self, owners: usize, find: impl Fn(usize, &mut Vec<u32>) + Sync) {
         self.chunks.resize_with(owners.div_ceil(CHUNK), Chunk::default);
-        self.chunks.par_iter_mut().enumerate().for_each(|(c, chunk)| {
+        self.chunks.par_iter_mut().with_max_len(PIECE / CHUNK).enumerate().for_each(|(c, chunk)| {
             chunk.rows.clear();
             chunk.first.clear();
             chunk.first.push(0);
@@ -89,7 +89,7 @@ impl PairList {
         gradients: impl Fn(&mut [f64]) + Sync,
         values: impl Fn(&mut [f64]) + Sync,
     ) {
-        self.chunks.par_iter_mut().enumerate().for_each(|(c, chunk)| {
+        self.chunks.par_iter_mut().with_max_len(PIECE / CHUNK).enumerate().for_each(|(c, chunk)| {
             let pairs = chunk.rows.len();
             resize_with_room(&mut chunk.gradients, if wanted.gradients { pairs } else { 0 }, 0.0);
             resize_with_room(&mut chunk.values, if wanted.values { pairs } else { 0 }, 0.0);

@@ -9,6 +9,9 @@ use crate::neighbours::Rows;
 /// Particles below which a loop is not split further between threads.
 pub(crate) const GRAIN: usize = 256;
 
+/// Particles above which a loop is always split, so that a thread that was held up leaves its share to the others.
+pub(crate) const PIECE: usize = 2048;
+
 /// One particle as a sweep sees it: where it is and the values that the pair term needs.
 #[derive(Debug, Clone, Copy)]
 pub struct Gathered<const D: usize, T> {
@@ -41,9 +44,10 @@ impl<const D: usize, T: Copy + Send + Sync> Gather<D, T> {
         structures: impl Fn(usize) -> Gathered<D, T> + Sync + Send,
     ) -> &[Gathered<D, T>] {
         self.rows.clear();
-        self.rows.par_extend((0..rows.fluid).into_par_iter().with_min_len(GRAIN).map(fluid));
-        self.rows.par_extend((0..rows.walls).into_par_iter().with_min_len(GRAIN).map(walls));
-        self.rows.par_extend((0..rows.structures).into_par_iter().with_min_len(GRAIN).map(structures));
+        self.rows.par_extend((0..rows.fluid).into_par_iter().with_min_len(GRAIN).with_max_len(PIECE).map(fluid));
+        self.rows.par_extend((0..rows.walls).into_par_iter().with_min_len(GRAIN).with_max_len(PIECE).map(walls));
+        self.rows
+            .par_extend((0..rows.structures).into_par_iter().with_min_len(GRAIN).with_max_len(PIECE).map(structures));
         for image in &rows.images {
             let mut record = self.rows[image.source as usize];
             record.position += image.shift.into();

@@ -10,4 +10,4 @@ pub use components::*;
 pub use gather::{Gather, Gathered};
 pub use vector::Vector;
 
-pub(crate) use gather::GRAIN;
+pub(crate) use gather::{GRAIN, PIECE};

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::clock::Clock;
-use crate::particles::{Acceleration, Fluid, GRAIN, Velocity};
+use crate::particles::{Acceleration, Fluid, GRAIN, PIECE, Velocity};
 use crate::scene::{Invalid, SceneSection, SectionError};
 
 /// Gravity, or whatever uniform acceleration the scene gives in its place.
@@ -108,6 +108,7 @@ pub(super) fn apply_body_force(
         (velocity, acceleration.bypass_change_detection())
             .into_par_iter()
             .with_min_len(GRAIN)
+            .with_max_len(PIECE)
             .for_each(|(v, a)| a.0 += gravity.now - k * v.0);
     }
     Ok(())

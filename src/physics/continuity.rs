@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::neighbours::{Neighbours, sum_pairs};
 use crate::particles::{
-    Density, DensityRate, Fluid, GRAIN, Gather, Gathered, Mass, Position, Solid, Vector, Velocity, Volume, Wall,
+    Density, DensityRate, Fluid, GRAIN, Gather, Gathered, Mass, PIECE, Position, Solid, Vector, Velocity, Volume, Wall,
     WallVelocity, columns,
 };
 
@@ -43,7 +43,7 @@ pub fn density_rate<const D: usize>(
             state: Flux { velocity: v[i].0.into(), volume: m[i].0 / rho[i].0 },
         };
         let records = gather.fill(&neighbours.rows, own, walls, structures);
-        let out = rate.bypass_change_detection().par_iter_mut().with_min_len(GRAIN);
+        let out = rate.bypass_change_detection().par_iter_mut().with_min_len(GRAIN).with_max_len(PIECE);
         out.enumerate().for_each(|(i, rate)| {
             let own = &records[i];
             let mut sum = 0.0;

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use super::{EquationOfState, Gravity};
 use crate::neighbours::{Neighbours, sum_pairs};
 use crate::particles::{
-    Density, DensityRate, Fluid, GRAIN, Gather, Gathered, Mass, Position, ReferenceDensity, Solid, Vector, Wall,
+    Density, DensityRate, Fluid, GRAIN, Gather, Gathered, Mass, PIECE, Position, ReferenceDensity, Solid, Vector, Wall,
     columns,
 };
 use crate::scene::{Invalid, Resolution, SceneSection, SectionError};
@@ -97,7 +97,7 @@ pub fn density_diffusion<const D: usize>(
         };
         let records = gather.fill(&neighbours.rows, own, walls, structures);
         let g_over_2b = gravity * (0.5 / state.bulk_modulus);
-        let out = rate.bypass_change_detection().par_iter_mut().with_min_len(GRAIN);
+        let out = rate.bypass_change_detection().par_iter_mut().with_min_len(GRAIN).with_max_len(PIECE);
         out.enumerate().for_each(|(i, rate)| {
             let own = &records[i];
             let (beta_i, rho0_i) = (own.state.beta, own.state.reference_density);

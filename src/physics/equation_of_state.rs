@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::clock::Clock;
-use crate::particles::{Density, DensityRate, Fluid, GRAIN, Pressure, ReferenceDensity};
+use crate::particles::{Density, DensityRate, Fluid, GRAIN, PIECE, Pressure, ReferenceDensity};
 use crate::scene::{Invalid, SceneSection, SectionError};
 
 /// What the scene says about the equation of state: its section `equation_of_state`.
@@ -119,6 +119,7 @@ pub(super) fn advance_state(
         (rate, rho0, rho.bypass_change_detection(), p.bypass_change_detection())
             .into_par_iter()
             .with_min_len(GRAIN)
+            .with_max_len(PIECE)
             .for_each(|(rate, rho0, rho, p)| {
                 rho.0 += clock.time_step * rate.0;
                 p.0 = state.pressure(rho.0, rho0.0);

@@ -12,8 +12,8 @@ use rayon::prelude::*;
 use super::{EquationOfState, Gravity};
 use crate::neighbours::{Neighbours, PairList, Rows};
 use crate::particles::{
-    Density, Fluid, GRAIN, Position, Pressure, ReferenceDensity, RestVolume, Solid, Volume, Wall, WallAcceleration,
-    columns,
+    Density, Fluid, GRAIN, PIECE, Position, Pressure, ReferenceDensity, RestVolume, Solid, Volume, Wall,
+    WallAcceleration, columns,
 };
 
 type GhostState = (
@@ -66,7 +66,7 @@ fn extrapolate(
     (x, a_w, rest): (&[Position], &[WallAcceleration], &[RestVolume]),
     out: (&mut [Pressure], &mut [Density], &mut [Volume]),
 ) {
-    out.into_par_iter().with_min_len(GRAIN).enumerate().for_each(|(b, (p_b, rho_b, volume_b))| {
+    out.into_par_iter().with_min_len(GRAIN).with_max_len(PIECE).enumerate().for_each(|(b, (p_b, rho_b, volume_b))| {
         let pairs = list.of(b);
         let (mut sum_pw, mut sum_rho_r_w, mut sum_rho0_w, mut sum_w) = (0.0, DVec3::ZERO, 0.0, 0.0);
         for (&row, &w) in pairs.rows.iter().zip(pairs.values) {

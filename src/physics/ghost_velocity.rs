@@ -7,7 +7,7 @@ use bevy_ecs::prelude::*;
 use rayon::prelude::*;
 
 use crate::neighbours::{Neighbours, PairList};
-use crate::particles::{Fluid, GRAIN, GhostVelocity, Solid, Velocity, Wall, WallVelocity, columns};
+use crate::particles::{Fluid, GRAIN, GhostVelocity, PIECE, Solid, Velocity, Wall, WallVelocity, columns};
 
 /// Extrapolates the fluid's velocity to every wall and structure particle.
 pub fn ghost_velocity(
@@ -18,7 +18,7 @@ pub fn ghost_velocity(
 ) -> Result {
     let velocity: &[Velocity] = columns(&fluid);
     let extrapolate = |list: &PairList, v_w: &[WallVelocity], v_b: &mut [GhostVelocity]| {
-        (v_w, v_b).into_par_iter().with_min_len(GRAIN).enumerate().for_each(|(b, (v_w, v_b))| {
+        (v_w, v_b).into_par_iter().with_min_len(GRAIN).with_max_len(PIECE).enumerate().for_each(|(b, (v_w, v_b))| {
             let pairs = list.of(b);
             let (mut sum_vw, mut sum_w) = (glam::DVec3::ZERO, 0.0);
             for (&row, &w) in pairs.rows.iter().zip(pairs.values) {

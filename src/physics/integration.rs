@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::clock::Clock;
 use crate::neighbours::Neighbours;
-use crate::particles::{Acceleration, Fluid, GRAIN, Position, Velocity};
+use crate::particles::{Acceleration, Fluid, GRAIN, PIECE, Position, Velocity};
 
 /// `v ← v + ½Δt a`, before the drift and again after the forces.
 pub(super) fn kick(clock: Res<Clock>, mut fluid: Query<(&mut Velocity, &Acceleration), With<Fluid>>) -> Result {
@@ -16,6 +16,7 @@ pub(super) fn kick(clock: Res<Clock>, mut fluid: Query<(&mut Velocity, &Accelera
         (velocity.bypass_change_detection(), acceleration)
             .into_par_iter()
             .with_min_len(GRAIN)
+            .with_max_len(PIECE)
             .for_each(|(v, a)| v.0 += half_step * a.0);
     }
     Ok(())
@@ -32,6 +33,7 @@ pub(super) fn drift(
         (position.bypass_change_detection(), velocity)
             .into_par_iter()
             .with_min_len(GRAIN)
+            .with_max_len(PIECE)
             .for_each(|(x, v)| x.0 += dt * v.0);
     }
     // No speed after the first kick exceeds |v|_max + ½Δt |a|_max of the step before.

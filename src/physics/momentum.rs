@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::{PressureAverage, PressureForm, ViscousForce, ViscousForm};
 use crate::neighbours::{Neighbours, sum_pairs};
 use crate::particles::{
-    Acceleration, Density, Fluid, GRAIN, Gather, Gathered, GhostVelocity, Mass, Position, Pressure, Slip, Solid,
+    Acceleration, Density, Fluid, GRAIN, Gather, Gathered, GhostVelocity, Mass, PIECE, Position, Pressure, Slip, Solid,
     Vector, Velocity, Viscosity, Volume, Wall, columns,
 };
 use crate::scene::{SceneSection, SectionError};
@@ -183,7 +183,7 @@ fn accelerate<const D: usize, P: PressureAverage, V: ViscousForce>(
     mu: &[Viscosity],
     out: &mut [Acceleration],
 ) {
-    out.par_iter_mut().with_min_len(GRAIN).enumerate().for_each(|(i, acceleration)| {
+    out.par_iter_mut().with_min_len(GRAIN).with_max_len(PIECE).enumerate().for_each(|(i, acceleration)| {
         let own = &records[i];
         let mu_i = mu[i].0;
         let mut force = Vector::ZERO;

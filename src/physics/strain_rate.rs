@@ -14,8 +14,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::neighbours::{Neighbours, sum_pairs};
 use crate::particles::{
-    Density, Fluid, GRAIN, Gather, Gathered, GhostVelocity, Mass, Position, ShearRate, Slip, Solid, Vector, Velocity,
-    Volume, Wall, columns,
+    Density, Fluid, GRAIN, Gather, Gathered, GhostVelocity, Mass, PIECE, Position, ShearRate, Slip, Solid, Vector,
+    Velocity, Volume, Wall, columns,
 };
 use crate::scene::{SceneSection, SectionError};
 
@@ -81,7 +81,7 @@ pub fn strain_rate<const D: usize>(
             state: Flow { velocity: v[i].0.into(), volume: m[i].0 / rho[i].0 },
         };
         let records = gather.fill(&neighbours.rows, own, walls, structures);
-        let out = shear_rate.bypass_change_detection().par_iter_mut().with_min_len(GRAIN);
+        let out = shear_rate.bypass_change_detection().par_iter_mut().with_min_len(GRAIN).with_max_len(PIECE);
         out.enumerate().for_each(|(i, shear_rate)| {
             let own = &records[i];
             let (mut l, mut k): (Matrix<D>, Matrix<D>) = ([[0.0; D]; D], [[0.0; D]; D]);

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::EquationOfState;
 use crate::clock::{Clock, Limit};
 use crate::particles::{
-    Acceleration, Density, Fluid, GRAIN, ParticleId, PhaseIndex, Position, Pressure, ReferenceDensity, Velocity,
+    Acceleration, Density, Fluid, GRAIN, PIECE, ParticleId, PhaseIndex, Position, Pressure, ReferenceDensity, Velocity,
     Viscosity,
 };
 use crate::scene::{Invalid, Resolution, SceneSection, SectionError};
@@ -146,17 +146,19 @@ pub(super) fn next_time_step(
     let mut extremes = Extremes::NONE;
     let mut least_reference_density = f64::INFINITY;
     for (v, a, rho, rho0, mu) in fluid.contiguous_iter()? {
-        let each = (v, a, rho, rho0, mu).into_par_iter().with_min_len(GRAIN).map(|(v, a, rho, rho0, mu)| {
-            let speed_squared = v.0.length_squared();
-            let acceleration_squared = a.0.length_squared();
-            let within_range = speed_squared * rho0.0 < state.bulk_modulus
-                && acceleration_squared.is_finite()
-                && rho.0 * GREATEST_COMPRESSION > rho0.0
-                && rho.0 < rho0.0 * GREATEST_COMPRESSION;
-            let each =
-                Extremes { speed_squared, acceleration_squared, kinematic_viscosity: mu.0 / rho.0, within_range };
-            (each, rho0.0)
-        });
+        let each = (v, a, rho, rho0, mu).into_par_iter().with_min_len(GRAIN).with_max_len(PIECE).map(
+            |(v, a, rho, rho0, mu)| {
+                let speed_squared = v.0.length_squared();
+                let acceleration_squared = a.0.length_squared();
+                let within_range = speed_squared * rho0.0 < state.bulk_modulus
+                    && acceleration_squared.is_finite()
+                    && rho.0 * GREATEST_COMPRESSION > rho0.0
+                    && rho.0 < rho0.0 * GREATEST_COMPRESSION;
+                let each =
+                    Extremes { speed_squared, acceleration_squared, kinematic_viscosity: mu.0 / rho.0, within_range };
+                (each, rho0.0)
+            },
+        );
         let (found, lightest) = each.reduce(|| (Extremes::NONE, f64::INFINITY), |a, b| (a.0.and(b.0), a.1.min(b.1)));
         (extremes, least_reference_density) = (extremes.and(found), least_reference_density.min(lightest));
     }

@@ -7,7 +7,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::error::UserError;
-use crate::particles::{Fluid, GRAIN, PhaseIndex, Pressure, ShearRate, Viscosity};
+use crate::particles::{Fluid, GRAIN, PIECE, PhaseIndex, Pressure, ShearRate, Viscosity};
 use crate::phases::Phase;
 use crate::scene::{Document, Invalid, Named, flatten};
 
@@ -116,6 +116,7 @@ pub fn apply_flow_curve<R: FlowCurve>(
         (phase, shear_rate, pressure, viscosity.bypass_change_detection())
             .into_par_iter()
             .with_min_len(GRAIN)
+            .with_max_len(PIECE)
             .for_each(|(phase, shear_rate, pressure, viscosity)| {
                 if let Some(model) = &models[phase.0 as usize] {
                     viscosity.0 = model.viscosity(shear_rate.0, pressure.0);
