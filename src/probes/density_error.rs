@@ -7,12 +7,12 @@ use serde::{Deserialize, Serialize};
 use super::{Probe, SeriesField, State};
 use crate::boundary::{BodyShape, Motion};
 use crate::scene::geometry::Shape;
-use crate::scene::{FilledFluids, Invalid, Resolution};
+use crate::scene::{FilledFluids, Invalid};
 
 /// Compression `|ρ/ρ0 − 1|` of the fluid, the greatest and the root mean square over particles, and two counts of
 /// particles:
 ///
-/// - `lost`: more than a spacing outside the box that bounds all walls, their openings, structures and fluids of the start;
+/// - `lost`: outside the box that bounds all walls, their openings, structures and fluids of the start;
 /// - `inside_wall`: deeper than half a spacing in a wall or structure that does not move.
 #[derive(Component, Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -35,7 +35,7 @@ impl Probe for DensityError {
         vec![
             SeriesField::new("greatest", "", "greatest |rho/rho0 - 1|"),
             SeriesField::new("rms", "", "root mean square of rho/rho0 - 1"),
-            SeriesField::new("lost", "", "particles farther than a spacing outside the bounds of the scene"),
+            SeriesField::new("lost", "", "particles outside the bounds of the scene"),
             SeriesField::new("inside_wall", "", "particles deeper than half a spacing in a body that does not move"),
         ]
     }
@@ -52,10 +52,7 @@ impl Probe for DensityError {
                 self.still.push(body.clone());
             }
         }
-        // Violent impacts press particles by a part of a spacing into a wall; farther out they are lost.
-        let margin = world.resource::<Resolution>().spacing;
-        let (min, max) = Shape::Union(shapes).bounds();
-        self.bounds = (min - margin, max + margin);
+        self.bounds = Shape::Union(shapes).bounds();
         Ok(())
     }
 
