@@ -88,7 +88,12 @@ fn s7_ghost_pressure(bencher: Bencher<'_, '_>) {
 }
 
 #[divan::bench]
-fn s8_momentum(bencher: Bencher<'_, '_>) {
+fn s8_wall_impact(bencher: Bencher<'_, '_>) {
+    bench_stage(bencher, physics::wall_impact);
+}
+
+#[divan::bench]
+fn s9_momentum(bencher: Bencher<'_, '_>) {
     bench_stage(bencher, physics::momentum::<2>);
 }
 

@@ -18,6 +18,7 @@
 //! | 14 shear rate | `physics/strain_rate.rs` |
 //! | 15 pressure of ghosts | `physics/ghost_pressure.rs` |
 //! | 16 velocity of ghosts | `physics/ghost_velocity.rs` |
+//! | – walls stop what comes too near | `physics/wall_impact.rs` |
 //! | 17, 18 force on structures | `boundary/loads.rs` |
 //! | 19 time step | `physics/time_step.rs` |
 //! | 20, 21 error norm | `probes/pressure_error.rs` |

@@ -45,6 +45,8 @@ pub enum Stage {
     State,
     /// Pressure and volume of the ghosts, Eq. 15.
     GhostPressure,
+    /// Pressure with which walls stop fluid that comes too near.
+    WallImpact,
     /// Pressure and viscous force between particles, Eqs. 6 and 12.
     Momentum,
     /// Gravity and whatever else acts on every particle by itself; damping of the settling phase.
@@ -110,7 +112,7 @@ pub(crate) fn init(app: &mut App) {
             S::Rheology,
         )
             .chain(),
-        (S::Continuity, S::Diffusion, S::State, S::GhostPressure).chain(),
+        (S::Continuity, S::Diffusion, S::State, S::GhostPressure, S::WallImpact).chain(),
         (S::Momentum, S::BodyForce, S::Loads, S::SecondKick, S::TimeStep).chain(),
     );
     let mut step = Schedule::new(Step);

@@ -3,7 +3,8 @@
 //! `F = Σ_s m_s dv_s/dt`,
 //! `m_s dv_s/dt = −Σ_f (p_s V_s² + p_f V_f²) ∇_sW_sf + Σ_f μ_f (V_s² + V_f²) (r_sf·∇_sW_sf)/r² v_sf`
 //!
-//! (Eq. 6 without g; the ghost takes the viscosity of the fluid particle that acts on it). It is minus what the
+//! with the impact pressure p^w of [`WallImpact`](crate::physics::WallImpact) counted to the pressures (Eq. 6 without g;
+//! the ghost takes the viscosity of the fluid particle that acts on it). It is minus what the
 //! structure does to the fluid. Pressures count from χ, so that a background pressure leaves no force.
 
 use bevy_ecs::prelude::*;
@@ -17,7 +18,8 @@ use crate::particles::{
     Pressure, Slip, Solid, Vector, Velocity, Viscosity, Volume, columns,
 };
 use crate::physics::{
-    EquationOfState, Momentum, MomentumSettings, PairTerms, PairViscosity, PressureAverage, ViscousForce, with_forms,
+    EquationOfState, ImpactPressure, Momentum, MomentumSettings, PairTerms, PairViscosity, PressureAverage,
+    ViscousForce, with_forms,
 };
 
 /// Marks a body as a structure, and says how its load is reported.
@@ -59,6 +61,25 @@ impl Load {
     }
 }
 
+/// What the force between a structure and the fluid needs of a particle.
+#[derive(Debug, Clone, Copy)]
+pub struct Contact<const D: usize> {
+    momentum: Momentum<D>,
+    /// p^w (Pa) of a fluid particle.
+    impact: f64,
+}
+
+type FluidState = (
+    &'static Position,
+    &'static Velocity,
+    &'static Mass,
+    &'static Density,
+    &'static Pressure,
+    &'static Viscosity,
+    &'static ImpactPressure,
+);
+type FluidColumns<'a> =
+    (&'a [Position], &'a [Velocity], &'a [Mass], &'a [Density], &'a [Pressure], &'a [Viscosity], &'a [ImpactPressure]);
 type Solids = (
     &'static Position,
     &'static GhostVelocity,
@@ -74,33 +95,32 @@ pub fn force_on_particles<const D: usize>(
     settings: Res<MomentumSettings>,
     state: Res<EquationOfState>,
     neighbours: Res<Neighbours>,
-    mut gather: Local<Gather<D, Momentum<D>>>,
-    fluid: Query<(&Position, &Velocity, &Mass, &Density, &Pressure, &Viscosity), With<Fluid>>,
+    mut gather: Local<Gather<D, Contact<D>>>,
+    fluid: Query<FluidState, With<Fluid>>,
     mut structures: Query<Solids, With<Solid>>,
 ) -> Result {
     let chi = state.background_pressure;
-    let (x, v, m, rho, p, mu): (&[Position], &[Velocity], &[Mass], &[Density], &[Pressure], &[Viscosity]) =
-        columns(&fluid);
+    let (x, v, m, rho, p, mu, impact): FluidColumns<'_> = columns(&fluid);
     for (x_s, v_s, volume, rho_s, p_s, slip, mut force) in structures.contiguous_iter_mut()? {
-        let fluid = |i: usize| Gathered {
-            position: x[i].0.into(),
-            state: Momentum {
+        let fluid = |i: usize| {
+            let momentum = Momentum {
                 velocity: v[i].0.into(),
                 volume: m[i].0 / rho[i].0,
                 density: rho[i].0,
                 pressure: p[i].0 - chi,
                 viscosity: PairViscosity::fluid(mu[i].0),
-            },
+            };
+            Gathered { position: x[i].0.into(), state: Contact { momentum, impact: impact[i].0 } }
         };
-        let solid = |s: usize| Gathered {
-            position: x_s[s].0.into(),
-            state: Momentum {
+        let solid = |s: usize| {
+            let momentum = Momentum {
                 velocity: v_s[s].0.into(),
                 volume: volume[s].0,
                 density: rho_s[s].0,
                 pressure: p_s[s].0 - chi,
                 viscosity: PairViscosity::ghost(slip[s]),
-            },
+            };
+            Gathered { position: x_s[s].0.into(), state: Contact { momentum, impact: 0.0 } }
         };
         // Structures list fluid only: the walls' records are never read.
         let records = gather.fill(&neighbours.rows, fluid, |_| solid(0), solid);
@@ -112,16 +132,18 @@ pub fn force_on_particles<const D: usize>(
 
 fn sum_forces<const D: usize, P: PressureAverage, V: ViscousForce>(
     neighbours: &Neighbours,
-    records: &[Gathered<D, Momentum<D>>],
+    records: &[Gathered<D, Contact<D>>],
     out: &mut [ForceOnParticle],
 ) {
     let first = neighbours.rows.fluid + neighbours.rows.walls;
     out.par_iter_mut().with_min_len(GRAIN).with_max_len(PIECE).enumerate().for_each(|(s, force)| {
         let own = &records[first + s];
+        let solid = &own.state.momentum;
         let (mut pressure_force, mut viscous_force) = (Vector::ZERO, Vector::ZERO);
         sum_pairs(own, neighbours.structures.of(s), records, |other, pair| {
-            let mu_sf = own.state.viscosity.mean_with(other.viscosity.own());
-            let (pressure, viscous) = PairTerms::of::<D, P, V>(mu_sf, &own.state, other, pair);
+            let fluid = &other.momentum;
+            let mu_sf = solid.viscosity.mean_with(fluid.viscosity.own());
+            let (pressure, viscous) = PairTerms::of::<D, P, V>(mu_sf, other.impact, solid, fluid, pair);
             pressure_force += pressure;
             viscous_force += viscous;
         });

@@ -14,6 +14,7 @@ mod pressure_force;
 mod strain_rate;
 mod time_step;
 mod viscous_force;
+mod wall_impact;
 
 pub use body_force::{Gravity, Settling};
 pub use continuity::density_rate;
@@ -28,5 +29,6 @@ pub use pressure_force::{DensityWeighted, PressureAverage, PressureForm, VolumeW
 pub use strain_rate::{StrainSettings, strain_rate};
 pub use time_step::{Divergence, DivergenceReport, TimeStepSettings};
 pub use viscous_force::{CentralForm, LaplacianForm, ViscousForce, ViscousForm};
+pub use wall_impact::{ImpactPressure, WallImpact, wall_impact};
 
 pub(crate) use momentum::{PairTerms, with_forms};

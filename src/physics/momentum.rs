@@ -8,7 +8,7 @@ use bevy_ecs::prelude::*;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::{PressureAverage, PressureForm, ViscousForce, ViscousForm};
+use super::{ImpactPressure, PressureAverage, PressureForm, ViscousForce, ViscousForm};
 use crate::neighbours::{Neighbours, sum_pairs};
 use crate::particles::{
     Acceleration, Density, Fluid, GRAIN, Gather, Gathered, GhostVelocity, Mass, PIECE, Position, Pressure, Slip, Solid,
@@ -46,8 +46,8 @@ pub struct PairViscosity(f64);
 impl PairViscosity {
     /// A ghost on which the fluid sticks takes the viscosity of the fluid particle that it acts on.
     const NO_SLIP: Self = Self(-1.0);
-    /// The harmonic mean with 0 is 0: no viscous force.
-    const FREE_SLIP: Self = Self(0.0);
+    /// A ghost along which the fluid slips: no viscous force.
+    const FREE_SLIP: Self = Self(-2.0);
 
     /// A fluid particle's own μ (Pa s).
     #[inline(always)]
@@ -74,8 +74,16 @@ impl PairViscosity {
     #[inline(always)]
     #[must_use]
     pub fn mean_with(self, mu_i: f64) -> f64 {
-        let harmonic = 2.0 * mu_i * self.0 / (mu_i + self.0 + f64::MIN_POSITIVE);
-        if self.0 < 0.0 { mu_i } else { harmonic }
+        let mu_j = self.0.max(0.0);
+        let harmonic = 2.0 * mu_i * mu_j / (mu_i + mu_j + f64::MIN_POSITIVE);
+        if self == Self::NO_SLIP { mu_i } else { harmonic }
+    }
+
+    /// Whether the particle is a ghost of a wall or structure.
+    #[inline(always)]
+    #[must_use]
+    pub fn is_ghost(self) -> bool {
+        self.0 < 0.0
     }
 }
 
@@ -98,15 +106,18 @@ pub struct Momentum<const D: usize> {
 pub(crate) struct PairTerms;
 
 impl PairTerms {
-    /// (−average ∇_iW_ij, viscous force) with mean viscosity `mu_ij`.
+    /// (−average ∇_iW_ij, viscous force) with mean viscosity `mu_ij`; `impact` is p^w (Pa) between a fluid particle and a
+    /// wall, which counts as a pressure of both (either average of `p + p^w` is that of p, and p^w (V_i² + V_j²)).
     #[inline(always)]
     pub(crate) fn of<const D: usize, P: PressureAverage, V: ViscousForce>(
         mu_ij: f64,
+        impact: f64,
         i: &Momentum<D>,
         j: &Momentum<D>,
         pair: &crate::neighbours::Pair<D>,
     ) -> (Vector<D>, Vector<D>) {
-        (pair.grad_w() * -P::average(i, j), V::force(mu_ij, i, j, pair))
+        let average = P::average(i, j) + impact * (i.volume * i.volume + j.volume * j.volume);
+        (pair.grad_w() * -average, V::force(mu_ij, i, j, pair))
     }
 }
 
@@ -132,6 +143,16 @@ macro_rules! with_forms {
 }
 pub(crate) use with_forms;
 
+type FluidState = (
+    &'static Position,
+    &'static Velocity,
+    &'static Mass,
+    &'static Density,
+    &'static Pressure,
+    &'static Viscosity,
+    &'static ImpactPressure,
+    &'static mut Acceleration,
+);
 type Ghosts =
     (&'static Position, &'static GhostVelocity, &'static Volume, &'static Density, &'static Pressure, &'static Slip);
 type GhostColumns<'a> = (&'a [Position], &'a [GhostVelocity], &'a [Volume], &'a [Density], &'a [Pressure], &'a [Slip]);
@@ -141,7 +162,7 @@ pub fn momentum<const D: usize>(
     settings: Res<MomentumSettings>,
     neighbours: Res<Neighbours>,
     mut gather: Local<Gather<D, Momentum<D>>>,
-    mut fluid: Query<(&Position, &Velocity, &Mass, &Density, &Pressure, &Viscosity, &mut Acceleration), With<Fluid>>,
+    mut fluid: Query<FluidState, With<Fluid>>,
     walls: Query<Ghosts, With<Wall>>,
     structures: Query<Ghosts, With<Solid>>,
 ) -> Result {
@@ -158,7 +179,7 @@ pub fn momentum<const D: usize>(
                 },
             }
         });
-    for (x, v, m, rho, p, mu, mut acceleration) in fluid.contiguous_iter_mut()? {
+    for (x, v, m, rho, p, mu, impact, mut acceleration) in fluid.contiguous_iter_mut()? {
         let own = |i: usize| Gathered {
             position: x[i].0.into(),
             state: Momentum {
@@ -171,7 +192,7 @@ pub fn momentum<const D: usize>(
         };
         let records = gather.fill(&neighbours.rows, own, walls, structures);
         let out = acceleration.bypass_change_detection();
-        with_forms!(settings, accelerate::<D>(&neighbours, records, m, mu, out));
+        with_forms!(settings, accelerate::<D>(&neighbours, records, m, (mu, impact), out));
     }
     Ok(())
 }
@@ -180,16 +201,17 @@ fn accelerate<const D: usize, P: PressureAverage, V: ViscousForce>(
     neighbours: &Neighbours,
     records: &[Gathered<D, Momentum<D>>],
     m: &[Mass],
-    mu: &[Viscosity],
+    (mu, impact): (&[Viscosity], &[ImpactPressure]),
     out: &mut [Acceleration],
 ) {
     out.par_iter_mut().with_min_len(GRAIN).with_max_len(PIECE).enumerate().for_each(|(i, acceleration)| {
         let own = &records[i];
-        let mu_i = mu[i].0;
+        let (mu_i, impact_i) = (mu[i].0, impact[i].0);
         let mut force = Vector::ZERO;
         sum_pairs(own, neighbours.fluid.of(i), records, |other, pair| {
             let mu_ij = other.viscosity.mean_with(mu_i);
-            let (pressure, viscous) = PairTerms::of::<D, P, V>(mu_ij, &own.state, other, pair);
+            let impact = if other.viscosity.is_ghost() { impact_i } else { 0.0 };
+            let (pressure, viscous) = PairTerms::of::<D, P, V>(mu_ij, impact, &own.state, other, pair);
             force += pressure + viscous;
         });
         acceleration.0 = (force * (1.0 / m[i].0)).into();

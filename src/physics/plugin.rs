@@ -7,8 +7,9 @@ use super::equation_of_state::advance_state;
 use super::integration::{drift, kick};
 use super::time_step::next_time_step;
 use super::{
-    DensityDiffusion, Divergence, Gravity, MomentumSettings, Settling, StateSettings, StrainSettings, TimeStepSettings,
-    density_diffusion, density_rate, ghost_pressure, ghost_velocity, momentum, pair_kernel, strain_rate,
+    DensityDiffusion, Divergence, Gravity, ImpactPressure, MomentumSettings, Settling, StateSettings, StrainSettings,
+    TimeStepSettings, WallImpact, density_diffusion, density_rate, ghost_pressure, ghost_velocity, momentum,
+    pair_kernel, strain_rate, wall_impact,
 };
 use crate::app::StoreggaApp;
 use crate::schedule::Stage;
@@ -23,8 +24,11 @@ impl Plugin for PhysicsPlugin {
             .register_scene_section::<DensityDiffusion>()
             .register_scene_section::<StrainSettings>()
             .register_scene_section::<MomentumSettings>()
+            .register_scene_section::<WallImpact>()
             .register_scene_section::<Settling>()
             .register_scene_section::<TimeStepSettings>();
+
+        app.register_particle_column::<ImpactPressure>();
 
         app.add_to_stage(Stage::FirstKick, ramp_gravity)
             .set_stage(Stage::FirstKick, kick, kick)
@@ -36,6 +40,7 @@ impl Plugin for PhysicsPlugin {
             .set_stage(Stage::Diffusion, density_diffusion::<2>, density_diffusion::<3>)
             .set_stage(Stage::State, advance_state, advance_state)
             .set_stage(Stage::GhostPressure, ghost_pressure, ghost_pressure)
+            .set_stage(Stage::WallImpact, wall_impact, wall_impact)
             .set_stage(Stage::Momentum, momentum::<2>, momentum::<3>)
             .set_stage(Stage::BodyForce, apply_body_force, apply_body_force)
             .set_stage(Stage::SecondKick, kick, kick)

@@ -3,7 +3,7 @@
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 use storegga::particles::{Fluid, GhostVelocity, Position, Pressure, Velocity, Wall, WallVelocity};
-use storegga::physics::{EquationOfState, Gravity};
+use storegga::physics::{EquationOfState, Gravity, ImpactPressure};
 use storegga::scene::{FilledFluids, Resolution};
 
 use crate::support::{advance, app, evaluate, tank};
@@ -64,5 +64,48 @@ fn a_moving_wall_carries_its_ghosts() {
             DVec3::new(arm.x * angle.cos() - arm.y * angle.sin(), arm.x * angle.sin() + arm.y * angle.cos(), 0.0);
         assert!((x.0 - center - turned).length() < 1e-12);
         assert!((v.0 - DVec3::new(-2.0 * turned.y, 2.0 * turned.x, 0.0)).length() < 1e-12);
+    }
+}
+
+/// p^w of the particles in the middle of the floor, after the whole fluid was lowered by `depth` spacings and given `velocity`.
+fn impact_on_the_floor(dimension: usize, depth: f64, velocity: f64) -> Vec<f64> {
+    let mut app = app(&tank(dimension), &["diffusion=Off"]);
+    let world = app.world_mut();
+    let vertical = dimension - 1;
+    let lowered = depth * world.resource::<Resolution>().spacing;
+    for (mut x, mut v) in world.query_filtered::<(&mut Position, &mut Velocity), With<Fluid>>().iter_mut(world) {
+        x.0[vertical] -= lowered;
+        v.0[vertical] = velocity;
+    }
+    evaluate(world);
+    let first_layer =
+        |x: DVec3| x[vertical] < 0.03 && (x.x - 0.5).abs() < 0.3 && (dimension == 2 || (x.y - 0.5).abs() < 0.3);
+    let mut fluid = world.query_filtered::<(&Position, &ImpactPressure), With<Fluid>>();
+    let found: Vec<f64> = fluid.iter(world).filter(|(x, _)| first_layer(x.0)).map(|(_, impact)| impact.0).collect();
+    assert!(found.len() > 10, "only {} particles compared", found.len());
+    found
+}
+
+#[test]
+fn walls_stop_only_what_comes_too_near() {
+    for dimension in [2, 3] {
+        let c = {
+            let mut app = app(&tank(dimension), &[]);
+            app.world_mut().resource::<EquationOfState>().sound_speed(1000.0)
+        };
+        let u = 0.1;
+        // On the surface the sum over a half-space is the kernel in one dimension: 2h W_1(0) = 2 · 66/120 of ρ c u.
+        for p in impact_on_the_floor(dimension, 0.5, -u) {
+            assert!(
+                (p / (1.1 * 1000.0 * c * u) - 1.0).abs() < 0.1,
+                "{dimension}D: {} of 1.1 ρ c u",
+                p / (1000.0 * c * u)
+            );
+        }
+        // What leaves the wall is not held back, and the first layer of a fluid is let be (but for the unevenness of a lattice).
+        assert!(impact_on_the_floor(dimension, 0.5, u).iter().all(|p| *p == 0.0));
+        for p in impact_on_the_floor(dimension, 0.0, -u) {
+            assert!(p < 0.05 * 1000.0 * c * u, "{dimension}D: {} of ρ c u", p / (1000.0 * c * u));
+        }
     }
 }

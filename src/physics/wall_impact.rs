@@ -1,0 +1,170 @@
+//! Pressure with which walls and structures stop fluid that comes too near to them.
+//!
+//! `p^w_i = s_i ρ_i c_i u_i`, with the speed of approach `u_i = 2h max(Σ_b V_b v_ib·∇_iW_ib, 0)`, b over the ghosts of walls
+//! and structures, v_ib against the velocity v_w of the wall. It is the dissipative part ½ρc(u_L − u_R) of the linearised
+//! Riemann problem between a particle and its mirror image in the wall (Zhang, Hu & Adams 2017, J. Comput. Phys. 335),
+//! and drives particle and ghost apart like a pressure of both: `−p^w_i (V_i² + V_b²) ∇_iW_ib`. (`2h |Σ_b V_b ∇_iW_ib|` is near 1
+//! beside a flat wall.)
+//!
+//! It acts on what is nearer to a wall than the first layer of a fluid at rest and leaves all else alone:
+//! `s_i = min(max((φ_i − φ_½)/(½ − φ_½), 0), 1)`. `φ_i = −(1/d) Σ_b V_b r_ib·∇_iW_ib` is how much of the particle's neighbourhood the
+//! wall takes up: ½ on the surface of a flat wall, φ_½ half a spacing in front of it.
+//!
+//! Without it jets leak: in a thin sheet density follows the diffusion and the neighbours that the sheet has lost, and
+//! no longer tells how near the wall is. It damps and does not push back: a particle may come to rest on the surface itself.
+
+use std::f64::consts::PI;
+
+use bevy_ecs::prelude::*;
+use glam::DVec3;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::EquationOfState;
+use crate::kernels::SmoothingKernel;
+use crate::neighbours::{Neighbours, Pairs, Rows};
+use crate::particles::{
+    Density, Fluid, GRAIN, PIECE, Position, ReferenceDensity, Solid, Velocity, Volume, Wall, WallVelocity, columns,
+};
+use crate::scene::{Resolution, SceneSection, SectionError};
+
+/// Whether walls and structures stop fluid that comes too near: section `wall_impact` of a scene.
+#[derive(Resource, Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum WallImpact {
+    /// Ghost pressure (Eq. 15) alone, as in the paper: thin jets can enter walls.
+    Off,
+    /// With the impact pressure of the one-sided Riemann problem.
+    #[default]
+    Riemann,
+}
+
+impl SceneSection for WallImpact {
+    const NAME: &'static str = "wall_impact";
+
+    fn when_absent() -> Option<Self> {
+        Some(Self::default())
+    }
+
+    fn spawn(self, world: &mut World) -> Result<(), SectionError> {
+        world.insert_resource(self);
+        Ok(())
+    }
+}
+
+/// p^w (Pa) with which walls act on a fluid particle that is about to enter them, beside the pressure.
+#[derive(Component, Debug, Clone, Copy, Default, PartialEq)]
+pub struct ImpactPressure(pub f64);
+
+/// The ghosts of walls, then of structures, as the numbering of rows has them.
+struct Ghosts<'a> {
+    rows: &'a Rows,
+    walls: GhostColumns<'a>,
+    structures: GhostColumns<'a>,
+}
+
+type GhostColumns<'a> = (&'a [Position], &'a [WallVelocity], &'a [Volume]);
+
+/// Σ_b of one fluid particle.
+#[derive(Clone, Copy, Default)]
+struct Sums {
+    /// Σ_b V_b v_ib·∇_iW_ib (1/s).
+    approach: f64,
+    /// −Σ_b V_b r_ib·∇_iW_ib.
+    fullness: f64,
+}
+
+impl Ghosts<'_> {
+    fn sums(&self, x_i: DVec3, v_i: DVec3, pairs: Pairs<'_>) -> Sums {
+        let mut sums = Sums::default();
+        // Most particles are far from any wall: a look at the greatest row is fast.
+        if pairs.rows.iter().fold(0, |greatest, &row| row.max(greatest)) < self.rows.fluid as u32 {
+            return sums;
+        }
+        for (&row, &gradient) in pairs.rows.iter().zip(pairs.gradients) {
+            if (row as usize) < self.rows.fluid {
+                continue;
+            }
+            let Some(ghost) = self.rows.source(row).checked_sub(self.rows.fluid) else { continue };
+            let ((x, v_w, volume), b) = match ghost.checked_sub(self.rows.walls) {
+                None => (self.walls, ghost),
+                Some(s) => (self.structures, s),
+            };
+            let r_ib = x_i - (x[b].0 + self.rows.shift(row));
+            let volume_grad_w = r_ib * (gradient * volume[b].0);
+            sums.approach += (v_i - v_w[b].0).dot(volume_grad_w);
+            sums.fullness -= r_ib.dot(volume_grad_w);
+        }
+        sums
+    }
+}
+
+/// Computes p^w of every fluid particle.
+pub fn wall_impact(
+    setting: Res<WallImpact>,
+    resolution: Res<Resolution>,
+    kernel: Res<SmoothingKernel>,
+    state: Res<EquationOfState>,
+    neighbours: Res<Neighbours>,
+    mut first_layer: Local<Option<f64>>,
+    mut fluid: Query<(&Position, &Velocity, &Density, &ReferenceDensity, &mut ImpactPressure), With<Fluid>>,
+    walls: Query<(&Position, &WallVelocity, &Volume), With<Wall>>,
+    structures: Query<(&Position, &WallVelocity, &Volume), With<Solid>>,
+) -> Result {
+    if *setting == WallImpact::Off {
+        return Ok(());
+    }
+    let (dimension, h) = (resolution.dimension, resolution.smoothing_length);
+    let phi_half = *first_layer.get_or_insert_with(|| wall_fullness(&kernel, dimension, 0.5 * resolution.spacing));
+    let ghosts = Ghosts { rows: &neighbours.rows, walls: columns(&walls), structures: columns(&structures) };
+    for (x, v, rho, rho0, mut impact) in fluid.contiguous_iter_mut()? {
+        let out = impact.bypass_change_detection().par_iter_mut().with_min_len(GRAIN).with_max_len(PIECE);
+        out.enumerate().for_each(|(i, impact)| {
+            let sums = ghosts.sums(x[i].0, v[i].0, neighbours.fluid.of(i));
+            let phi = sums.fullness / dimension as f64;
+            let s = ((phi - phi_half) / (0.5 - phi_half)).clamp(0.0, 1.0);
+            let u = 2.0 * h * sums.approach.max(0.0);
+            impact.0 = s * rho[i].0 * state.sound_speed(rho0[i].0) * u;
+        });
+    }
+    Ok(())
+}
+
+/// Rings or shells of equal thickness in the integral over a half-space.
+const SHELLS: usize = 512;
+
+/// φ at `distance` (m) in front of a flat wall: `−(1/d) ∫ r·∇W` over the half-space behind it.
+fn wall_fullness(kernel: &SmoothingKernel, dimension: usize, distance: f64) -> f64 {
+    let thickness = (kernel.0.radius() - distance).max(0.0) / SHELLS as f64;
+    let radius = |shell: usize| distance + (shell as f64 + 0.5) * thickness;
+    let mut gradients: [f64; SHELLS] = std::array::from_fn(|shell| radius(shell).powi(2));
+    kernel.0.gradients(&mut gradients);
+    let behind = |r: f64| {
+        // Arc or cap of the circle or sphere of radius r that lies behind the wall.
+        if dimension == 2 { 2.0 * r * (distance / r).acos() } else { 2.0 * PI * r * (r - distance) }
+    };
+    let shells = gradients.into_iter().enumerate().map(|(shell, gradient)| (radius(shell), gradient));
+    -shells.map(|(r, gradient)| r * r * gradient * behind(r)).sum::<f64>() * thickness / dimension as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kernels::{KernelRegistry, QuinticSpline, WendlandC2};
+
+    /// On the wall's surface half the neighbourhood is wall, whatever the kernel; out of reach, none; and far behind it
+    /// the integral over the whole space, which is 1, would be approached from below.
+    #[test]
+    fn fullness_is_a_half_on_the_surface_and_falls_to_nothing() {
+        let mut registry = KernelRegistry::default();
+        registry.register("quintic", QuinticSpline);
+        registry.register("wendland", WendlandC2);
+        for (name, dimension) in [("quintic", 2), ("quintic", 3), ("wendland", 2), ("wendland", 3)] {
+            let kernel = registry.scaled(name, 1.2, dimension).expect("registered above");
+            let at = |distance| wall_fullness(&kernel, dimension, distance);
+            assert!((at(0.0) - 0.5).abs() < 1e-4, "{name} {dimension}D: {}", at(0.0));
+            assert!(at(0.5) < at(0.25) && at(0.25) < at(0.0) && at(0.5) > 0.0);
+            assert_eq!(at(kernel.0.radius()), 0.0);
+        }
+    }
+}
