@@ -77,6 +77,11 @@ impl ProbeRegistry {
         app.add_systems(Output, system);
     }
 
+    /// Names that a scene can use.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.entries.iter().map(|(name, _)| name.as_str())
+    }
+
     /// Reads the probe called `name` from the scene and spawns it.
     ///
     /// # Errors
@@ -88,7 +93,7 @@ impl ProbeRegistry {
         };
         let named = document.named(node)?;
         let Some((_, read)) = self.entries.iter().find(|(known, _)| known == named.name) else {
-            let known: Vec<&str> = self.entries.iter().map(|(known, _)| known.as_str()).collect();
+            let known: Vec<&str> = self.names().collect();
             return Err(document.unknown_name_error(named.span, "probe", named.name, &known));
         };
         read(document, &named, name, world)

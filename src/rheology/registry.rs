@@ -60,6 +60,11 @@ impl RheologyRegistry {
         self.registrations
     }
 
+    /// Names that a scene can use.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.entries.iter().map(|(name, _)| name.as_str())
+    }
+
     /// Reads the rheology at `path` of the scene and gives it to the phase `entity`.
     ///
     /// # Errors
@@ -75,7 +80,7 @@ impl RheologyRegistry {
         };
         let named = document.named(node)?;
         let Some((name, read)) = self.entries.iter().find(|(known, _)| known == named.name) else {
-            let known: Vec<&str> = self.entries.iter().map(|(known, _)| known.as_str()).collect();
+            let known: Vec<&str> = self.names().collect();
             return Err(document.unknown_name_error(named.span, "rheology", named.name, &known));
         };
         Ok(RheologyFacts { name: name.clone(), ..read(document, &named, path, entity)? })

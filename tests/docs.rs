@@ -1,0 +1,46 @@
+//! The page on scene files knows every field that a shipped scene has or leaves open, and every name it can use.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use storegga::app::{PaperPlugins, open};
+use storegga::kernels::KernelRegistry;
+use storegga::probes::ProbeRegistry;
+use storegga::rheology::RheologyRegistry;
+use storegga::scene::{SceneFacts, open_document};
+
+/// Sections in which the second part of a path is a name that the author of the scene chose.
+const NAMED: [&str; 4] = ["phases", "walls", "structures", "probes"];
+
+#[test]
+fn every_field_and_name_is_documented() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let page = std::fs::read_to_string(root.join("docs/scene.md")).expect("the page is there");
+    let mut words = BTreeSet::new();
+    for entry in std::fs::read_dir(root.join("scenes")).expect("scenes are there").filter_map(Result::ok) {
+        let path = entry.path();
+        if path.extension().is_none_or(|end| end != "ron") {
+            continue;
+        }
+        let document = open_document(&path, &[]).unwrap_or_else(|error| panic!("{}", error.render(false)));
+        let app = open(PaperPlugins, document).unwrap_or_else(|error| panic!("{}", error.render(false)));
+        for (path, _) in &app.world().resource::<SceneFacts>().parameters {
+            let parts: Vec<&str> = path.split('.').collect();
+            let chosen = NAMED.contains(&parts[0]);
+            let fields =
+                parts.iter().enumerate().filter(|(k, part)| !(chosen && *k == 1) && part.parse::<u32>().is_err());
+            words.extend(fields.map(|(_, part)| (*part).to_owned()));
+        }
+        words.extend(app.world().resource::<KernelRegistry>().names().map(str::to_owned));
+        words.extend(app.world().resource::<ProbeRegistry>().names().map(str::to_owned));
+        words.extend(app.world().resource::<RheologyRegistry>().names().map(str::to_owned));
+    }
+    assert!(words.len() > 60, "only {} words: {words:?}", words.len());
+    let missing: Vec<&String> = words
+        .iter()
+        .filter(|word| {
+            ![format!("`{word}`"), format!("`{word}("), format!("({word}:")].iter().any(|form| page.contains(form))
+        })
+        .collect();
+    assert!(missing.is_empty(), "not in docs/scene.md: {missing:?}");
+}
