@@ -60,9 +60,9 @@ pub struct FilledFluids {
     pub bodies: Vec<BodyShape>,
 }
 
-/// A particle may not be nearer (in spacings) to the surface of a wall or structure than this: on a slanted wall the
-/// lattice has places exactly on the surface.
-pub(super) const WALL_CLEARANCE: f64 = 0.25;
+/// A particle lies farther (in spacings) than this from the surface of a wall or structure: not on it, as some places of the
+/// lattice do on a slanted wall, but otherwise as near as it comes, so that on average a body displaces its own volume.
+pub(super) const WALL_CLEARANCE: f64 = 1e-6;
 
 /// Fluid that reaches deeper (in spacings) into a wall than this is a mistake in the scene.
 const OVERLAP: f64 = 0.75;
