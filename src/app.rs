@@ -11,6 +11,7 @@ use bevy_ecs::system::ScheduleSystem;
 
 use crate::clock::Clock;
 use crate::error::UserError;
+use crate::failure;
 use crate::kernels::{Kernel, KernelRegistry, QuinticSpline, WendlandC2};
 use crate::outputs::OutputTimes;
 use crate::particles::{
@@ -40,7 +41,8 @@ pub trait StoreggaApp {
     /// Lets scenes name a smoothing kernel.
     fn register_kernel<K: Kernel + Clone>(&mut self, name: &str, kernel: K) -> &mut Self;
 
-    /// Puts systems in charge of a stage, for 2D and for 3D scenes, in the place of those that stood there.
+    /// Puts systems in charge of a stage, for 2D and for 3D scenes, in the place of those that were: for
+    /// [`Stage::Rheology`] those of all rheologies registered so far. Without effect once a scene is loaded.
     fn set_stage<A, B>(
         &mut self,
         stage: Stage,
@@ -79,7 +81,10 @@ impl StoreggaApp for App {
         let order = registry.register::<R>(name);
         let in_use = any_with_component::<R>;
         let system = system.in_set(RheologyOrder(order)).after(RheologyOrder(order - 1)).run_if(in_use);
-        self.add_to_stage(Stage::Rheology, system)
+        if let Some(mut stages) = self.world_mut().get_non_send_mut::<Stages>() {
+            stages.extend(Stage::Rheology, system);
+        }
+        self
     }
 
     fn register_kernel<K: Kernel + Clone>(&mut self, name: &str, kernel: K) -> &mut Self {
@@ -184,20 +189,29 @@ pub enum End {
     Interrupted,
     /// The log could not be written.
     LogFailed(String),
+    /// A system failed: a mistake in the program or in a plugin.
+    Failed(String),
 }
 
 /// An app with `plugins`, at the start of the scene `document`: forces, walls and time step are those of t = 0.
 ///
 /// # Errors
-/// What the user got wrong in the scene.
+/// What the user got wrong in the scene, or a plugin whose systems do not fit.
 pub fn open<M>(plugins: impl Plugins<M>, document: Document) -> Result<App, UserError> {
     let mut app = App::new();
     app.add_plugins(plugins);
     app.finish();
-    load_scene(app.world_mut(), document)?;
+    let world = app.world_mut();
+    failure::install(world);
+    load_scene(world, document)?;
+    let plugin_error = |what: &str| UserError::plain(format!("a plugin does not fit: {what}"));
+    failure::build_schedules(world).map_err(|what| plugin_error(&what))?;
     // A step of no duration finds neighbours, ghosts, forces and the first time step.
-    app.world_mut().run_schedule(Step);
-    refuse_endless_run(app.world())?;
+    world.run_schedule(Step);
+    if let Some(what) = failure::take() {
+        return Err(plugin_error(&what));
+    }
+    refuse_endless_run(world)?;
     Ok(app)
 }
 
@@ -246,6 +260,9 @@ pub fn run(world: &mut World, end_time: f64, stop: &StopFlag, mut watch: impl Fn
         let target = world.resource::<OutputTimes>().next().min(end_time);
         world.resource_mut::<Clock>().begin_step(target);
         world.run_schedule(Step);
+        if let Some(what) = failure::take() {
+            return End::Failed(what);
+        }
         watch(world.resource::<Clock>());
         if let Some(report) = world.resource_mut::<Divergence>().0.take() {
             return End::Diverged(report);
@@ -263,6 +280,9 @@ fn write_outputs(world: &mut World) -> Result<(), End> {
     if world.resource_mut::<OutputTimes>().begin(time) {
         world.run_schedule(Output);
         world.resource_mut::<OutputTimes>().finish(time);
+        if let Some(what) = failure::take() {
+            return Err(End::Failed(what));
+        }
     }
     match world.get_resource_mut::<crate::log::LogFailure>().and_then(|mut failure| failure.0.take()) {
         Some(failure) => Err(End::LogFailed(failure)),

@@ -32,6 +32,7 @@ pub mod cli;
 pub mod clock;
 pub mod error;
 pub mod expect;
+mod failure;
 pub mod kernels;
 pub mod log;
 pub mod neighbours;

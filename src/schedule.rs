@@ -68,14 +68,14 @@ pub enum OutputStage {
     Write,
 }
 
-/// The systems of one stage, for each dimension that a scene may have.
+/// Systems of one stage, for scenes of one dimension or of any.
 struct StageEntry {
     stage: Stage,
-    two: ScheduleConfigs<ScheduleSystem>,
-    three: ScheduleConfigs<ScheduleSystem>,
+    dimension: Option<usize>,
+    systems: ScheduleConfigs<ScheduleSystem>,
 }
 
-/// The system that does each stage; the last one registered for a stage stands.
+/// The systems in charge of each stage.
 ///
 /// Not a resource: systems waiting for their schedule cannot be sent between threads. It exists until the scene is loaded.
 #[derive(Default)]
@@ -84,7 +84,7 @@ pub struct Stages {
 }
 
 impl Stages {
-    /// Puts `two` (in 2D scenes) and `three` (in 3D scenes) in charge of `stage`, in the place of what stood there.
+    /// Puts `two` (in 2D scenes) and `three` (in 3D scenes) in charge of `stage`, in the place of all that was in charge.
     pub fn set<A, B>(
         &mut self,
         stage: Stage,
@@ -92,7 +92,13 @@ impl Stages {
         three: impl IntoScheduleConfigs<ScheduleSystem, B>,
     ) {
         self.entries.retain(|entry| entry.stage != stage);
-        self.entries.push(StageEntry { stage, two: two.into_configs(), three: three.into_configs() });
+        self.entries.push(StageEntry { stage, dimension: Some(2), systems: two.into_configs() });
+        self.entries.push(StageEntry { stage, dimension: Some(3), systems: three.into_configs() });
+    }
+
+    /// Puts `systems` in charge of `stage` beside those that are.
+    pub fn extend<M>(&mut self, stage: Stage, systems: impl IntoScheduleConfigs<ScheduleSystem, M>) {
+        self.entries.push(StageEntry { stage, dimension: None, systems: systems.into_configs() });
     }
 }
 
@@ -131,9 +137,9 @@ pub(crate) fn init(app: &mut App) {
 pub(crate) fn install_stages(world: &mut World, dimension: usize) {
     let stages = world.remove_non_send::<Stages>().unwrap_or_default();
     world.schedule_scope(Step, |_, schedule| {
-        for entry in stages.entries {
-            let systems = if dimension == 2 { entry.two } else { entry.three };
-            schedule.add_systems(systems.in_set(entry.stage));
+        let fits = |entry: &StageEntry| entry.dimension.is_none_or(|of| of == dimension);
+        for entry in stages.entries.into_iter().filter(fits) {
+            schedule.add_systems(entry.systems.in_set(entry.stage));
         }
     });
 }

@@ -3,7 +3,7 @@
 use bevy_app::{App, Plugin, PluginGroup};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
-use storegga::app::{PaperPlugins, StopFlag, StoreggaApp, open, run};
+use storegga::app::{End, PaperPlugins, StopFlag, StoreggaApp, open, run};
 use storegga::clock::Clock;
 use storegga::error::UserError;
 use storegga::kernels::Kernel;
@@ -221,12 +221,112 @@ impl Plugin for Careless {
 
 #[test]
 fn a_column_that_nobody_registered_is_refused() {
-    let plugins = PaperPlugins.build().add(Careless);
+    let error = refusal(open(PaperPlugins.build().add(Careless), plain_scene()));
+    assert!(error.contains("Owner"), "{error}");
+}
+
+/// The scene without what only the plugin [`Outside`] knows.
+fn plain_scene() -> Document {
     let text = SCENE
         .replace("kernel: Cubic,", "")
         .replace("Softening(intact: 10.0)", "Newtonian(viscosity: 1.0)")
         .replace(r#"probes: { "count": Count() },"#, "")
         .replace("earthquake: (peak: 2.5),", "");
-    let error = refusal(open(plugins, Document::parse("test.ron", &text).expect("a scene")));
-    assert!(error.contains("Owner"), "{error}");
+    Document::parse("test.ron", &text).unwrap_or_else(|error| panic!("{}", error.render(false)))
+}
+
+fn halve(mut fluid: Query<&mut Viscosity, With<Fluid>>) {
+    fluid.iter_mut().for_each(|mut viscosity| viscosity.0 *= 0.5);
+}
+
+fn double(mut fluid: Query<&mut Viscosity, With<Fluid>>) {
+    fluid.iter_mut().for_each(|mut viscosity| viscosity.0 *= 2.0);
+}
+
+/// Two systems that write one column, and no order between them.
+struct Unordered;
+
+impl Plugin for Unordered {
+    fn build(&self, app: &mut App) {
+        app.set_stage(Stage::Rheology, (halve, double), (halve, double));
+    }
+}
+
+#[test]
+fn two_writers_without_an_order_are_refused() {
+    let error = refusal(open(PaperPlugins.build().add(Unordered), plain_scene()));
+    assert!(error.contains("halve") && error.contains("double") && error.contains("Viscosity"), "{error}");
+}
+
+/// Stands in for every rheology.
+struct Constant;
+
+impl Plugin for Constant {
+    fn build(&self, app: &mut App) {
+        let seven = |mut fluid: Query<&mut Viscosity, With<Fluid>>| fluid.iter_mut().for_each(|mut mu| mu.0 = 7.0);
+        app.set_stage(Stage::Rheology, seven, seven);
+    }
+}
+
+#[test]
+fn the_stage_of_rheologies_can_be_replaced() {
+    let mut app = open(PaperPlugins.build().add(Constant), plain_scene()).unwrap_or_else(|error| panic!("{error}"));
+    let world = app.world_mut();
+    assert!(world.query_filtered::<&Viscosity, With<Fluid>>().iter(world).all(|mu| mu.0 == 7.0));
+}
+
+/// A system that fails after a while.
+struct Failing;
+
+fn fail(clock: Res<Clock>) -> Result {
+    if clock.step > 5 { Err("out of luck".into()) } else { Ok(()) }
+}
+
+impl Plugin for Failing {
+    fn build(&self, app: &mut App) {
+        app.add_to_stage(Stage::BodyForce, fail);
+    }
+}
+
+#[test]
+fn a_system_that_fails_ends_the_run_in_order() {
+    let mut app = open(PaperPlugins.build().add(Failing), plain_scene()).unwrap_or_else(|error| panic!("{error}"));
+    let end = run(app.world_mut(), 0.05, &StopFlag::default(), |_| {});
+    let End::Failed(what) = end else { panic!("{end:?}") };
+    assert!(what.contains("fail") && what.contains("out of luck"), "{what}");
+}
+
+/// A marker on one particle splits the table of the fluid.
+#[derive(Component)]
+struct Marked;
+
+struct Splitting;
+
+impl Plugin for Splitting {
+    fn build(&self, app: &mut App) {
+        app.register_scene_section::<Splitter>();
+    }
+}
+
+#[derive(Serialize, Deserialize)]
+struct Splitter();
+
+impl SceneSection for Splitter {
+    const NAME: &'static str = "splitter";
+
+    fn when_absent() -> Option<Self> {
+        Some(Self())
+    }
+
+    fn spawn(self, world: &mut World) -> Result<(), SectionError> {
+        let last = world.query_filtered::<Entity, With<Fluid>>().iter(world).last().expect("there is fluid");
+        world.entity_mut(last).insert(Marked);
+        Ok(())
+    }
+}
+
+#[test]
+fn a_marker_on_one_particle_is_refused() {
+    let error = refusal(open(PaperPlugins.build().add(Splitting), plain_scene()));
+    assert!(error.contains("Marked"), "{error}");
 }

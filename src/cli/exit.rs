@@ -14,6 +14,8 @@ pub(super) const FAILED: u8 = 1;
 const WRONG_INPUT: u8 = 2;
 /// The run diverged.
 pub(super) const DIVERGED: u8 = 3;
+/// A bug, of the program or of a plugin.
+pub(super) const BUG: u8 = 101;
 /// Ctrl-C.
 pub(super) const INTERRUPTED: u8 = 130;
 

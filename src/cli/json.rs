@@ -25,6 +25,7 @@ pub(super) fn object(scene: &Path, log: &Path, outcome: &Outcome) -> Value {
             End::Diverged(_) => "diverged",
             End::Interrupted => "interrupted",
             End::LogFailed(_) => "log_failed",
+            End::Failed(_) => "failed",
         },
         "steps": outcome.clock.step,
         "time": outcome.clock.time,

@@ -33,6 +33,7 @@ pub(super) fn run<P: PluginGroup>(args: &RunArgs, plugins: fn() -> P) -> Result<
     Ok(ExitCode::from(match &outcome.end {
         End::Diverged(_) => exit::DIVERGED,
         End::Interrupted => exit::INTERRUPTED,
+        End::Failed(_) => exit::BUG,
         End::LogFailed(why) => return Err(UserError::plain(why.clone()).help("choose another place with --out")),
         End::Done if !outcome.passes() => exit::FAILED,
         End::Done => 0,
@@ -45,6 +46,13 @@ fn tell(args: &RunArgs, document: &Document, log: &Path, outcome: &Outcome) {
         say(&format!("{}\n", json::object(&args.scene, log, outcome)));
     } else if !args.quiet {
         say(&summary(&args.scene, log, outcome));
+    }
+    if let End::Failed(what) = &outcome.end {
+        complain(&format!(
+            "Error: the run failed at t = {} s: {what}\n  The log {} is closed and readable.\n",
+            outcome.clock.time,
+            log.display()
+        ));
     }
     if let End::Diverged(report) = &outcome.end {
         complain(&divergence(report, document, log, outcome));

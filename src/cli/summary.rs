@@ -19,6 +19,7 @@ pub(super) fn summary(scene: &Path, log: &Path, outcome: &Outcome) -> String {
         End::Diverged(_) => "diverged",
         End::Interrupted => "interrupted",
         End::LogFailed(_) => "the log failed",
+        End::Failed(_) => "failed",
     };
     let mean_step = if clock.step > 0 { clock.time / clock.step as f64 } else { 0.0 };
     let mut text = format!(

@@ -87,7 +87,7 @@ pub struct KernelRegistry {
 }
 
 impl KernelRegistry {
-    /// Makes `kernel` available under `name`.
+    /// Makes `kernel` available under `name`, in the place of what had that name.
     pub fn register<K: Kernel + Clone>(&mut self, name: &str, kernel: K) {
         let factory: Factory = Box::new(move |smoothing_length, dimension| {
             let alpha = kernel.normalisation(dimension);
@@ -98,6 +98,7 @@ impl KernelRegistry {
                 gradient_scale: alpha / smoothing_length.powi(dimension as i32 + 2),
             })
         });
+        self.entries.retain(|(known, _)| known != name);
         self.entries.push((name.to_owned(), factory));
     }
 

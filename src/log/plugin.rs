@@ -252,6 +252,7 @@ pub fn close_log(world: &mut World, end: &End) -> Result<(), String> {
             let text = format!("the run diverged at t = {time} s: particle {}: {}", report.particle, report.reason);
             (Level::Error, text)
         }
+        End::Failed(what) => (Level::Error, format!("the run failed at t = {time} s: {what}")),
         End::LogFailed(why) => (Level::Error, format!("the log failed at t = {time} s: {why}")),
     };
     log_message(world, level, &text);

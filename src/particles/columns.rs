@@ -4,7 +4,7 @@ use bevy_ecs::component::{ComponentId, Mutable};
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::{ArchetypeFilter, ContiguousQueryData, QueryState, ReadOnlyQueryData};
 
-use super::{Fluid, ParticleId};
+use super::Fluid;
 
 /// The columns of the one table that `query` matches, as slices (a tuple of them for a tuple of components), or empty
 /// ones if there are no such particles.
@@ -75,10 +75,9 @@ impl ParticleColumns {
     pub(crate) fn check(world: &mut World) -> Result<(), ColumnError> {
         let marker = world.register_component::<Fluid>();
         let known = world.resource::<Self>().known.clone();
-        let Some(particle) = world.query_filtered::<Entity, With<ParticleId>>().iter(world).next() else {
-            return Ok(());
-        };
-        let held: Vec<ComponentId> = world.entity(particle).archetype().components().to_vec();
+        // Every kind of fluid particle that exists: a component on some of them would split their table.
+        let kinds = world.archetypes().iter().filter(|kind| kind.contains(marker) && !kind.is_empty());
+        let held: Vec<ComponentId> = kinds.flat_map(|kind| kind.components().to_vec()).collect();
         match held.into_iter().find(|id| *id != marker && !known.contains(id)) {
             None => Ok(()),
             Some(id) => {
