@@ -44,7 +44,7 @@ pub struct Clock {
     pub stable_time_step: f64,
     /// What limits it.
     pub stable_limit: Limit,
-    /// Greatest speed (m/s) of any fluid particle.
+    /// Greatest speed (m/s) of any particle: of fluid, wall or structure.
     pub greatest_speed: f64,
     /// Greatest acceleration (m/s²) of any fluid particle.
     pub greatest_acceleration: f64,

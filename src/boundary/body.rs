@@ -4,6 +4,7 @@ use bevy_ecs::prelude::*;
 use glam::DVec3;
 
 use super::Motion;
+use crate::neighbours::PeriodicSides;
 use crate::particles::{BodyIndex, Position, RestPosition, RestVolume, Slip, Volume};
 use crate::scene::geometry::Shape;
 
@@ -36,6 +37,16 @@ impl BodyShape {
         }
         let distance = self.shape.signed_distance(position);
         if self.solid_inside { distance } else { -distance }
+    }
+
+    /// The same through periodic sides: the least over the images of an obstacle or structure.
+    #[must_use]
+    pub fn clearance_through(&self, sides: &PeriodicSides, position: DVec3) -> f64 {
+        let own = self.clearance(position);
+        if !self.solid_inside || !sides.any() {
+            return own;
+        }
+        sides.images_of(position).map(|image| self.clearance(image)).fold(own, f64::min)
     }
 }
 

@@ -14,8 +14,8 @@ use rayon::prelude::*;
 use super::Body;
 use crate::neighbours::{Neighbours, sum_pairs};
 use crate::particles::{
-    BodyIndex, Density, Fluid, ForceOnParticle, GRAIN, Gather, Gathered, GhostVelocity, Mass, PIECE, Position,
-    Pressure, Slip, Solid, Vector, Velocity, Viscosity, Volume, columns,
+    BodyIndex, Density, Fluid, ForceOnParticle, GRAIN, Gather, Gathered, GhostVelocity, Mass, PIECE, PeriodShift,
+    Position, Pressure, Slip, Solid, Vector, Velocity, Viscosity, Volume, columns,
 };
 use crate::physics::{
     EquationOfState, ImpactPressure, Momentum, MomentumSettings, PairTerms, PairViscosity, PressureAverage,
@@ -28,10 +28,12 @@ use crate::physics::{
 pub struct Structure {
     /// Out-of-plane length (m) by which forces per metre are multiplied in 2D; 1 where the scene gives none, and in 3D.
     pub length: f64,
-    /// Point (m) about which the moment is taken.
+    /// Point (m) about which the moment is taken; it does not move with the body.
     pub moment_about: DVec3,
     /// Area (m²) in 2D or volume (m³) in 3D filled by its particles.
     pub volume: f64,
+    /// Area or volume that the fluids left free for it at the start: whole cells of the lattice.
+    pub displaced: f64,
 }
 
 /// Force (N; N/m in 2D where the scene gives no length) and moment (N m; N) of the fluid on a structure.
@@ -151,15 +153,16 @@ fn sum_forces<const D: usize, P: PressureAverage, V: ViscousForce>(
     });
 }
 
-/// Adds up force and moment of every structure, particle by particle in their order.
+/// Adds up force and moment of every structure, particle by particle in their order. Arms are those of the whole body, also
+/// where a periodic side cuts it.
 pub fn sum_loads(
-    particles: Query<(&BodyIndex, &Position, &ForceOnParticle), With<Solid>>,
+    particles: Query<(&BodyIndex, &Position, &PeriodShift, &ForceOnParticle), With<Solid>>,
     mut structures: Query<(&Body, &Structure, &mut Load)>,
 ) {
     for (body, structure, mut load) in &mut structures {
         let mut sum = Load::default();
-        for (_, x, force) in particles.iter().filter(|(index, ..)| index.0 == body.index) {
-            let arm = x.0 - structure.moment_about;
+        for (_, x, shift, force) in particles.iter().filter(|(index, ..)| index.0 == body.index) {
+            let arm = x.0 - shift.0 - structure.moment_about;
             sum.pressure_force += force.pressure * structure.length;
             sum.viscous_force += force.viscous * structure.length;
             sum.pressure_moment += arm.cross(force.pressure) * structure.length;

@@ -103,7 +103,9 @@ impl Motion {
     pub fn check(&self, dimension: usize) -> Result<(), Invalid> {
         let axis_of = |axis: &Option<Point>| match axis {
             Some(_) if dimension == 2 => Err(Invalid::new("axis", "in 2D the axis is (0, 0, 1): leave it out")),
-            Some(axis) if axis.position().length() == 0.0 => Err(Invalid::new("axis", "must not be the null vector")),
+            Some(axis) if axis.position().try_normalize().is_none() => {
+                Err(Invalid::new("axis", "must be a vector of finite length greater than 0"))
+            }
             None if dimension == 3 => Err(Invalid::new("", "a rotation in 3D needs an `axis`")),
             _ => Ok(()),
         };
@@ -135,10 +137,15 @@ impl Motion {
                     let path = format!("rows.{k}.displacement");
                     coordinates(row.displacement, dimension).map_err(|invalid| invalid.under(&path))?;
                 }
-                match rows.windows(2).position(|pair| pair[1].time <= pair[0].time) {
-                    Some(k) => Err(Invalid::new(format!("rows.{}.time", k + 1), "times must increase from row to row")),
-                    None => Ok(()),
+                if let Some(k) = rows.windows(2).position(|pair| pair[1].time <= pair[0].time) {
+                    return Err(Invalid::new(format!("rows.{}.time", k + 1), "times must increase from row to row"));
                 }
+                let ([start, ..], [angle, ..]) = table_at(rows, 0.0);
+                if start != DVec3::ZERO || angle != 0.0 {
+                    let message = "at t = 0 displacement and angle must be 0: the fluids are filled around the shape";
+                    return Err(Invalid::new("rows", message));
+                }
+                Ok(())
             }
         }
     }
@@ -151,6 +158,16 @@ impl Motion {
             Self::Rotation { .. } => true,
             Self::Table { rows, .. } => rows.iter().any(|row| row.angle != 0.0),
         }
+    }
+
+    /// Greatest speed (m/s) up to `end_time` (s) of any point in the box from `low` to `high` (m), which moves along: the
+    /// greatest of its corners at a thousand times.
+    #[must_use]
+    pub fn greatest_speed(&self, (low, high): (DVec3, DVec3), end_time: f64) -> f64 {
+        let corner = |k: usize| DVec3::select(glam::BVec3::new(k & 1 != 0, k & 2 != 0, k & 4 != 0), high, low);
+        let kinematics = (0..=1000).filter_map(|k| self.at(end_time * f64::from(k) / 1000.0));
+        let speed = |moved: Kinematics| (0..8).map(|k| moved.of(corner(k)).1.length()).fold(0.0, f64::max);
+        kinematics.map(speed).fold(0.0, f64::max)
     }
 
     /// Where the body is at time t (s), or `None` if it never moves.

@@ -32,10 +32,13 @@ pub struct StructureSpec {
     /// In 2D, the out-of-plane length (m) by which force and moment per metre are multiplied.
     #[serde(default)]
     pub length: Option<f64>,
-    /// Point (m) about which the moment is taken; `None` for the centroid of the body at rest.
+    /// Point (m) about which the moment is taken, fixed in space; `None` for the centroid of the body at rest.
     #[serde(default)]
     pub moment_about: Option<Point>,
 }
+
+/// Particles of a structure deeper (in spacings) in another one are a mistake in the scene.
+const OVERLAP: f64 = 0.25;
 
 impl SceneSection for StructuresSection {
     const NAME: &'static str = "structures";
@@ -73,6 +76,7 @@ impl SceneSection for StructuresSection {
 
     fn spawn(self, world: &mut World) -> Result<(), SectionError> {
         let resolution = *world.resource::<Resolution>();
+        let mut earlier: Vec<(String, BodyShape)> = Vec::new();
         for (index, (name, spec)) in self.0.into_iter().enumerate() {
             let particles = solid_particles(&spec.shape, resolution.spacing, resolution.dimension);
             if particles.len() < 2 {
@@ -85,9 +89,20 @@ impl SceneSection for StructuresSection {
                 length: spec.length.unwrap_or(1.0),
                 moment_about: spec.moment_about.map_or(centroid, Point::position),
                 volume,
+                displaced: 0.0,
             };
             let body = Body { name, index: index as u32 };
             let shape = BodyShape { shape: spec.shape, solid_inside: true, cut: None };
+            let deep = |other: &BodyShape| {
+                let sides = world.resource::<PeriodicSides>();
+                let depth = |x| -other.clearance_through(sides, x);
+                particles.iter().any(|particle| depth(particle.position) > OVERLAP * resolution.spacing)
+            };
+            if let Some((other, _)) = earlier.iter().find(|(_, other)| deep(other)) {
+                let path = format!("{}.shape", body.name);
+                return Err(Invalid::new(path, format!("overlaps the structure `{other}`")).into());
+            }
+            earlier.push((body.name.clone(), shape.clone()));
             let particles = particles.into_iter().map(|particle| (particle.position, particle.volume));
             let entity = spawn_body::<Solid>(world, body, shape, spec.motion, spec.slip, particles);
             world.entity_mut(entity).insert(structure);

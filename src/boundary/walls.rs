@@ -1,6 +1,7 @@
 //! Walls of a scene: layers of ghost particles, as deep as the kernel reaches.
 
 use bevy_ecs::prelude::*;
+use glam::DVec3;
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
@@ -80,8 +81,14 @@ impl SceneSection for WallsSection {
             let side = if wall.fluid == FluidSide::Inside { Side::Outside } else { Side::Inside };
             let ghosts =
                 ghost_layers(&wall.shape, side, layers, resolution.spacing, resolution.dimension, wall.cut.as_ref());
-            // Beyond a periodic side the wall's own images continue it.
-            let ghosts: Vec<_> = ghosts.into_iter().filter(|x| periodic.contains(*x)).collect();
+            // Beyond a periodic side a container's own images continue it, and so do those of an obstacle that reaches right
+            // across; the rest of an obstacle comes in again at the other side.
+            let continued = |x: DVec3| {
+                let there = periodic.wrap(x);
+                // On the side itself, to rounding, a ghost is where it should be.
+                side == Side::Outside || there.distance(x) > 0.5 * resolution.spacing && wall.shape.contains(there)
+            };
+            let ghosts: Vec<_> = ghosts.into_iter().filter(|x| periodic.contains(*x) || !continued(*x)).collect();
             if ghosts.is_empty() {
                 let message = format!("no ghost particle fits at a spacing of {} m", resolution.spacing);
                 return Err(Invalid::new(format!("{name}.shape"), message).into());

@@ -10,7 +10,7 @@ use super::sort::sort_fluid;
 use super::{PairList, PeriodicSides, Rows, add_images};
 use crate::app::StoreggaApp;
 use crate::kernels::SmoothingKernel;
-use crate::particles::{Fluid, Position, RestPosition, Solid, Wall, columns};
+use crate::particles::{Fluid, PeriodShift, Position, RestPosition, Solid, Wall, columns};
 use crate::scene::{Invalid, SceneDocument, SceneSection, SectionError};
 use crate::schedule::Stage;
 
@@ -48,7 +48,7 @@ impl SceneSection for NeighbourSettings {
     }
 
     fn spawn(self, world: &mut World) -> Result<(), SectionError> {
-        // A particle must not meet two images of another, nor its own.
+        // A particle must not meet its own image.
         let reach = (1.0 + self.skin) * world.resource::<SmoothingKernel>().0.radius();
         let sides = *world.resource::<PeriodicSides>();
         for (axis, sides) in ["x", "y", "z"].iter().zip(sides.0) {
@@ -124,17 +124,18 @@ fn set_reach(mut neighbours: ResMut<Neighbours>, settings: Res<NeighbourSettings
 fn wrap_particles(
     sides: Res<PeriodicSides>,
     mut fluid: Query<&mut Position, With<Fluid>>,
-    mut ghosts: Query<(&mut Position, &mut RestPosition), Without<Fluid>>,
+    mut ghosts: Query<(&mut Position, &mut RestPosition, &mut PeriodShift), Without<Fluid>>,
 ) {
     if !sides.any() {
         return;
     }
     fluid.iter_mut().for_each(|mut x| x.0 = sides.wrap(x.0));
-    for (mut x, mut rest) in &mut ghosts {
+    for (mut x, mut rest, mut shifted) in &mut ghosts {
         // The whole motion of a ghost starts from its rest position: it goes round with it.
         let shift = sides.wrap(x.0) - x.0;
         x.0 += shift;
         rest.0 += shift;
+        shifted.0 += shift;
     }
 }
 

@@ -39,6 +39,7 @@ pub struct Solid;
     Slip,
     Position,
     RestPosition,
+    PeriodShift,
     WallVelocity,
     WallAcceleration,
     GhostVelocity,
@@ -48,6 +49,11 @@ pub struct Solid;
     Pressure
 )]
 pub struct Ghost;
+
+/// By how much (m) a ghost was put elsewhere when it left through a periodic side: whole periods, which its body did not
+/// go.
+#[derive(Component, Debug, Clone, Copy, Default, PartialEq)]
+pub struct PeriodShift(pub DVec3);
 
 /// Identity of a fluid particle. Rows are re-sorted in memory now and then; this number stays.
 #[derive(Component, Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]

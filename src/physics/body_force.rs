@@ -1,6 +1,6 @@
 //! Forces that act on every particle by itself: gravity, and the damping of a settling phase.
 //!
-//! `dv_i/dt ← dv_i/dt + g(t) − k v_i`, k = 0 after the settling phase.
+//! `dv_i/dt ← dv_i/dt + g(t)`; while the settling phase lasts, `v_i ← v_i e^(−kΔt)` once a step.
 
 use bevy_ecs::prelude::*;
 use glam::DVec3;
@@ -94,22 +94,25 @@ pub(super) fn ramp_gravity(clock: Res<Clock>, settling: Res<Settling>, mut gravi
     gravity.now = gravity.full * settling.gravity_fraction(clock.time);
 }
 
-/// Adds g(t) − k v.
+/// Adds g(t), and damps the velocity: exact over a step of any length, and stable for any rate.
 pub(super) fn apply_body_force(
     clock: Res<Clock>,
     settling: Res<Settling>,
     gravity: Res<Gravity>,
-    mut fluid: Query<(&Velocity, &mut Acceleration), With<Fluid>>,
+    mut fluid: Query<(&mut Velocity, &mut Acceleration), With<Fluid>>,
 ) -> Result {
-    // Over a step, v e^(−kΔt) is exact and stable for any rate.
-    let (k, dt) = (settling.damping(clock.time), clock.time_step);
-    let k = if dt > 0.0 { -(-k * dt).exp_m1() / dt } else { k };
-    for (velocity, mut acceleration) in fluid.contiguous_iter_mut()? {
-        (velocity, acceleration.bypass_change_detection())
+    // The step began before its time: its middle decides whether the settling phase still lasts.
+    let dt = clock.time_step;
+    let left = (-settling.damping(clock.time - 0.5 * dt) * dt).exp();
+    for (mut velocity, mut acceleration) in fluid.contiguous_iter_mut()? {
+        (velocity.bypass_change_detection(), acceleration.bypass_change_detection())
             .into_par_iter()
             .with_min_len(GRAIN)
             .with_max_len(PIECE)
-            .for_each(|(v, a)| a.0 += gravity.now - k * v.0);
+            .for_each(|(v, a)| {
+                a.0 += gravity.now;
+                v.0 *= left;
+            });
     }
     Ok(())
 }

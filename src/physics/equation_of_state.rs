@@ -18,7 +18,8 @@ use crate::scene::{Invalid, SceneSection, SectionError};
 pub struct StateSettings {
     /// Greatest pressure p_max (Pa) expected, or `None` to estimate it from the depth of the fluids.
     pub max_pressure: Option<f64>,
-    /// Greatest speed v_max (m/s) expected, or `None` to estimate it as that of a dam break, 2√(gH).
+    /// Greatest speed v_max (m/s) expected, or `None` to estimate it: the greatest of a dam break's, 2√(gH),
+    /// of the fluids' at the start, and of walls and structures that move.
     pub max_speed: Option<f64>,
     /// Ratio of the sound speed to the greater of √(p_max/ρ0) and v_max (Eq. 8).
     pub sound_speed_ratio: f64,

@@ -32,3 +32,4 @@ pub use viscous_force::{CentralForm, LaplacianForm, ViscousForce, ViscousForm};
 pub use wall_impact::{ImpactPressure, WallImpact, wall_impact};
 
 pub(crate) use momentum::{PairTerms, with_forms};
+pub(crate) use time_step::GREATEST_COMPRESSION;

@@ -11,8 +11,8 @@ use serde::{Deserialize, Serialize};
 use super::EquationOfState;
 use crate::clock::{Clock, Limit};
 use crate::particles::{
-    Acceleration, Density, Fluid, GRAIN, PIECE, ParticleId, PhaseIndex, Position, Pressure, ReferenceDensity, Velocity,
-    Viscosity,
+    Acceleration, Density, Fluid, GRAIN, PIECE, ParticleId, PhaseIndex, Position, Pressure, ReferenceDensity, Solid,
+    Velocity, Viscosity, Wall, WallVelocity,
 };
 use crate::scene::{Invalid, Resolution, SceneSection, SectionError};
 
@@ -78,7 +78,7 @@ impl TimeStepSettings {
 }
 
 /// A density below half or above twice ρ0, or a speed above that of sound, is no longer a weakly compressible fluid.
-const GREATEST_COMPRESSION: f64 = 2.0;
+pub(crate) const GREATEST_COMPRESSION: f64 = 2.0;
 
 /// The particle at which a run left the model's range.
 #[derive(Debug, Clone, PartialEq)]
@@ -138,6 +138,7 @@ pub(super) fn next_time_step(
     mut clock: ResMut<Clock>,
     mut divergence: ResMut<Divergence>,
     fluid: Query<(&Velocity, &Acceleration, &Density, &ReferenceDensity, &Viscosity), With<Fluid>>,
+    ghosts: Query<&WallVelocity, Or<(With<Wall>, With<Solid>)>>,
     suspects: Query<
         (&ParticleId, &PhaseIndex, &Position, &Velocity, &Acceleration, &Density, &ReferenceDensity, &Pressure),
         With<Fluid>,
@@ -161,6 +162,10 @@ pub(super) fn next_time_step(
         );
         let (found, lightest) = each.reduce(|| (Extremes::NONE, f64::INFINITY), |a, b| (a.0.and(b.0), a.1.min(b.1)));
         (extremes, least_reference_density) = (extremes.and(found), least_reference_density.min(lightest));
+    }
+    for v_w in ghosts.contiguous_iter()? {
+        let speeds = v_w.par_iter().with_min_len(GRAIN).with_max_len(PIECE).map(|v_w| v_w.0.length_squared());
+        extremes.speed_squared = extremes.speed_squared.max(speeds.reduce(|| 0.0, f64::max));
     }
     clock.greatest_speed = extremes.speed_squared.sqrt();
     clock.greatest_acceleration = extremes.acceleration_squared.sqrt();

@@ -6,13 +6,14 @@ use serde::{Deserialize, Serialize};
 
 use super::parameters::{direction, phase};
 use super::{Probe, SeriesField, State};
+use crate::neighbours::PeriodicSides;
 use crate::particles::{Fluid, Mass, PhaseIndex, Position};
 use crate::scene::Invalid;
 use crate::scene::geometry::Point;
 
 /// Centre of mass `Σ m x / Σ m` of a phase, its velocity `Σ m v / Σ m`, and how far it has gone since the start.
 ///
-/// Along a periodic axis, where particles re-enter, only the velocity means something.
+/// Along a periodic axis, where particles re-enter, only the velocity means something: displacements leave it out.
 #[derive(Component, Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CenterOfMass {
@@ -27,6 +28,9 @@ pub struct CenterOfMass {
     start: DVec3,
     #[serde(skip)]
     along: Option<DVec3>,
+    /// 1 for an axis along which the displacement counts, 0 for a periodic one.
+    #[serde(skip)]
+    counted: DVec3,
 }
 
 impl Probe for CenterOfMass {
@@ -44,6 +48,11 @@ impl Probe for CenterOfMass {
     fn prepare(&mut self, world: &mut World) -> Result<(), Invalid> {
         self.index = phase(world, &self.phase)?;
         self.along = self.direction.map(|point| direction(world, point)).transpose()?;
+        let periodic = world.resource::<PeriodicSides>().0.map(|sides| sides.is_some());
+        if (0..3).any(|axis| periodic[axis] && self.along.is_some_and(|n| n[axis] != 0.0)) {
+            return Err(Invalid::new("direction", "there is no displacement along a periodic axis"));
+        }
+        self.counted = DVec3::from_array(periodic.map(|is_periodic| if is_periodic { 0.0 } else { 1.0 }));
         let mut fluid = world.query_filtered::<(&PhaseIndex, &Mass, &Position), With<Fluid>>();
         let own = fluid.iter(world).filter(|(phase, ..)| phase.0 == self.index);
         let (mass, moment) = own.fold((0.0, DVec3::ZERO), |(mass, moment), (_, m, x)| (mass + m.0, moment + m.0 * x.0));
@@ -64,7 +73,7 @@ impl Probe for CenterOfMass {
             momentum += m * fluid.velocity[i].0;
         }
         let (x, v) = (moment / mass, momentum / mass);
-        let way = x - self.start;
+        let way = (x - self.start) * self.counted;
         row[..3].copy_from_slice(&x.to_array());
         row[3..6].copy_from_slice(&v.to_array());
         row[6] = self.along.map_or(way.length(), |n| way.dot(n));
@@ -75,7 +84,7 @@ impl Probe for CenterOfMass {
 mod tests {
     use glam::DVec3;
 
-    use crate::probes::test_support::{TANK, complaint, opened, scene};
+    use crate::probes::test_support::{CHANNEL, TANK, complaint, opened, scene};
 
     #[test]
     fn a_phase_moved_as_a_whole_has_moved_so_far() {
@@ -94,6 +103,16 @@ mod tests {
         // Compressed by its own weight, the water is a little heavier below the middle.
         let y = app.value("c.y").unwrap_or_default();
         assert!(y < 0.26 && y > 0.259, "{y}");
+    }
+
+    #[test]
+    fn there_is_no_displacement_along_a_periodic_axis() {
+        let probe = |more: &str| format!(r#"probes: {{ "c": CenterOfMass(phase: "mud"{more}) }},"#);
+        assert!(complaint(&scene(CHANNEL, &probe(", direction: (1, 0)"))).contains("periodic"));
+        let mut app = opened(&scene(CHANNEL, &probe("")));
+        app.move_fluid(|x| x + DVec3::new(0.03, 0.001, 0.0));
+        app.measure();
+        app.assert("c.displacement", 0.001, 1e-12);
     }
 
     #[test]

@@ -66,7 +66,7 @@ impl Probe for DensityError {
             let x = state.periodic.wrap(fluid.position[i].0);
             lost += u32::from(x.clamp(self.bounds.0, self.bounds.1) != x);
             let depth = DEPTH * state.resolution.spacing;
-            inside += u32::from(self.still.iter().any(|body| body.clearance(x) < -depth));
+            inside += u32::from(self.still.iter().any(|body| body.clearance_through(state.periodic, x) < -depth));
         }
         let rms = (sum / fluid.rows().len() as f64).sqrt();
         row.copy_from_slice(&[greatest, rms, f64::from(lost), f64::from(inside)]);

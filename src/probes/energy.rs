@@ -25,7 +25,11 @@ impl Probe for Energy {
     fn fields(&self) -> Vec<SeriesField> {
         let mut fields = vec![
             SeriesField::new("kinetic", "J", "kinetic energy"),
-            SeriesField::new("potential", "J", "potential energy in the gravity of the moment"),
+            SeriesField::new(
+                "potential",
+                "J",
+                "potential energy in the gravity of the moment, without its part along periodic axes",
+            ),
             SeriesField::new("compression", "J", "energy of compression"),
             SeriesField::new("total", "J", "sum of the three"),
             SeriesField::new("mass", "kg", "mass"),
@@ -37,7 +41,11 @@ impl Probe for Energy {
 
     fn measure(&mut self, state: &State<'_>, row: &mut [f64]) {
         let fluid = &state.fluid;
-        let g = state.gravity.now;
+        // Along a periodic axis there is no height.
+        let g = DVec3::from_array([0, 1, 2].map(|axis| match state.periodic.0[axis] {
+            Some(_) => 0.0,
+            None => state.gravity.now[axis],
+        }));
         let (mut kinetic, mut potential, mut compression, mut mass) = (0.0, 0.0, 0.0, 0.0);
         let mut momentum = DVec3::ZERO;
         for i in fluid.rows() {

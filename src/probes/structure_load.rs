@@ -40,8 +40,10 @@ impl Probe for StructureLoad {
         let components = VECTORS.into_iter().flat_map(|(prefix, unit, meaning)| {
             ["x", "y", "z"].map(|axis| SeriesField::new(format!("{prefix}_{axis}"), unit, meaning))
         });
-        let volume = SeriesField::new("volume", "m^3", "volume that its particles fill; in 2D the area in m^2");
-        components.chain([volume]).collect()
+        let volume = SeriesField::new("volume", "m³", "volume that its particles fill; in 2D the area in m²");
+        let displaced =
+            SeriesField::new("displaced", "m³", "volume that the fluids left free for it; in 2D the area in m²");
+        components.chain([volume, displaced]).collect()
     }
 
     fn measure(&mut self, state: &State<'_>, row: &mut [f64]) {
@@ -60,6 +62,7 @@ impl Probe for StructureLoad {
             out.copy_from_slice(&vector.to_array());
         }
         row[3 * VECTORS.len()] = structure.volume;
+        row[3 * VECTORS.len() + 1] = structure.displaced;
     }
 }
 

@@ -74,8 +74,16 @@ impl Rheology for HerschelBulkley {
         }
     }
 
+    /// The cap, or what the curve of a fluid with K = 1 comes to at rest, where it is greatest: η + m τ_y, and η without a
+    /// yield stress.
     fn greatest_viscosity(&self) -> f64 {
-        self.max_viscosity
+        let at_rest = match self.regularisation {
+            _ if self.exponent != 1.0 => self.max_viscosity,
+            _ if self.yield_stress == 0.0 => self.consistency,
+            Regularisation::Papanastasiou { m } => self.consistency + m * self.yield_stress,
+            Regularisation::Capped => self.max_viscosity,
+        };
+        at_rest.min(self.max_viscosity)
     }
 }
 
@@ -84,6 +92,8 @@ impl FlowCurve for HerschelBulkley {
     fn viscosity(&self, shear_rate: f64, _: f64) -> f64 {
         // K = 1 and K = 2 are common and `powf` is slow.
         let viscous = match self.exponent - 1.0 {
+            // 0 · ∞ for a plastic without consistency at rest.
+            _ if self.consistency == 0.0 => 0.0,
             0.0 => self.consistency,
             1.0 => self.consistency * shear_rate,
             power => self.consistency * shear_rate.powf(power),
@@ -133,6 +143,29 @@ mod tests {
         }
         let water = HerschelBulkley { yield_stress: 0.0, exponent: 1.0, ..MUD };
         assert_eq!(water.viscosity(0.0, 0.0), 3.0);
+    }
+
+    #[test]
+    fn the_greatest_viscosity_is_that_of_the_curve() {
+        let smooth = Regularisation::Papanastasiou { m: 10.0 };
+        for (exponent, yield_stress, regularisation) in [
+            (1.0, 20.0, Regularisation::Capped),
+            (1.0, 20.0, smooth),
+            (1.0, 0.0, Regularisation::Capped),
+            (0.5, 20.0, smooth),
+            (2.0, 20.0, smooth),
+        ] {
+            let mud = HerschelBulkley { exponent, yield_stress, regularisation, ..MUD };
+            let sweep = (-300..=300).map(|k| mud.viscosity(10_f64.powi(k) * 0.999, 0.0));
+            let found = sweep.fold(0.0, f64::max);
+            let said = mud.greatest_viscosity();
+            assert!(
+                (found / said - 1.0).abs() < 1e-9,
+                "K = {exponent}, τ_y = {yield_stress}: {found}, not {said} Pa s"
+            );
+        }
+        let plastic = HerschelBulkley { consistency: 0.0, yield_stress: 0.0, ..MUD };
+        assert_eq!(plastic.viscosity(0.0, 0.0), 0.0);
     }
 
     #[test]

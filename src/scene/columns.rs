@@ -26,7 +26,7 @@ impl Depths {
     pub(super) fn of(
         world: &World,
         seeds: &[Seed],
-        bodies: &[BodyShape],
+        filled: &FilledFluids,
         reference_density: impl Fn(usize) -> f64,
     ) -> Option<Self> {
         let gravity = world.resource::<Gravity>().full;
@@ -46,7 +46,7 @@ impl Depths {
                 ..Column::default()
             });
             let top = up * seed.position[axis] + 0.5 * spacing;
-            let in_body = |above: f64| is_in_bodies(bodies, seed.position, (axis, up), (top, above), spacing);
+            let in_body = |above: f64| filled.is_body(seed.position, (axis, up), (top, above), spacing);
             column.push(top, spacing, reference_density(seed.fluid), in_body);
         }
         Some(Self { axis, up, columns })
@@ -72,22 +72,6 @@ impl Depths {
     }
 }
 
-/// Whether bodies fill the vertical through `x` between two heights (m), from `from` up to `to`.
-fn is_in_bodies(
-    bodies: &[BodyShape],
-    x: DVec3,
-    (axis, up): (usize, f64),
-    (from, to): (f64, f64),
-    spacing: f64,
-) -> bool {
-    let cells = ((to - from) / spacing).round() as usize;
-    (0..cells).all(|cell| {
-        let mut center = x;
-        center[axis] = up * (from + (cell as f64 + 0.5) * spacing);
-        bodies.iter().any(|body| body.clearance(center) < WALL_CLEARANCE * spacing)
-    })
-}
-
 /// Index of a column: that of its cells, without the one along the axis.
 fn foot(mut index: LatticeIndex, axis: usize) -> LatticeIndex {
     index[axis] = 0;
@@ -102,6 +86,17 @@ pub(crate) fn vertical(gravity: DVec3) -> Option<(usize, f64)> {
 }
 
 impl FilledFluids {
+    /// Whether bodies fill the vertical through `x` between two heights (m), from `from` up to `to`.
+    fn is_body(&self, x: DVec3, (axis, up): (usize, f64), (from, to): (f64, f64), spacing: f64) -> bool {
+        let cells = ((to - from) / spacing).round() as usize;
+        (0..cells).all(|cell| {
+            let mut center = x;
+            center[axis] = up * (from + (cell as f64 + 0.5) * spacing);
+            let taken = |body: &BodyShape| body.clearance_through(&self.periodic, center) < WALL_CLEARANCE * spacing;
+            self.bodies.iter().any(taken)
+        })
+    }
+
     /// The column of layers at rest through the place `x` (m), cell by cell of height `spacing` (m); empty if gravity
     /// is oblique or zero.
     #[must_use]
@@ -118,7 +113,7 @@ impl FilledFluids {
             center[axis] = up * height;
             if let Some((_, rho0)) = self.fluids.iter().find(|(shape, _)| shape.contains(center)) {
                 let top = height + 0.5 * spacing;
-                let in_body = |above: f64| is_in_bodies(&self.bodies, x, (axis, up), (top, above), spacing);
+                let in_body = |above: f64| self.is_body(x, (axis, up), (top, above), spacing);
                 column.push(top, spacing, *rho0, in_body);
             }
         }

@@ -9,12 +9,12 @@ use serde::{Deserialize, Serialize};
 use super::columns::Depths;
 use super::geometry::{LatticeIndex, Point, Shape, coordinates, lattice};
 use super::limits::limit_particles;
-use super::{Invalid, Resolution, SceneSection, SectionError};
-use crate::boundary::{BodyShape, body_shapes};
+use super::{Invalid, Resolution, SceneInfo, SceneSection, SectionError};
+use crate::boundary::{Body, BodyShape, Motion, Structure, body_shapes};
 use crate::neighbours::PeriodicSides;
 use crate::particles::{Density, Fluid, Mass, ParticleId, PhaseIndex, Position, Pressure, ReferenceDensity, Velocity};
 use crate::phases::{phase_named, phases};
-use crate::physics::{EquationOfState, Gravity, Settling, StateSettings};
+use crate::physics::{EquationOfState, GREATEST_COMPRESSION, Gravity, Settling, StateSettings};
 
 /// Section `fluids`: what is filled with which phase.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -58,6 +58,8 @@ pub struct FilledFluids {
     pub particles: Vec<usize>,
     /// Walls and structures, where there is no fluid.
     pub bodies: Vec<BodyShape>,
+    /// Periodic sides, through which bodies reach.
+    pub periodic: PeriodicSides,
 }
 
 /// A particle lies farther (in spacings) than this from the surface of a wall or structure: not on it, as some places of the
@@ -105,8 +107,9 @@ impl SceneSection for FluidsSection {
             fluids: self.0.iter().zip(&kinds).map(|(fluid, (_, rho0))| (fluid.shape.clone(), *rho0)).collect(),
             particles: count(&seeds, kinds.iter().map(|(phase, _)| phase.index as usize)),
             bodies: body_shapes(world).into_iter().map(|(_, shape, _)| shape).collect(),
+            periodic: *world.resource::<PeriodicSides>(),
         };
-        let depths = Depths::of(world, &seeds, &filled.bodies, |fluid| kinds[fluid].1);
+        let depths = Depths::of(world, &seeds, &filled, |fluid| kinds[fluid].1);
         let state = choose_state(world, depths.as_ref(), &self.0)?;
         let volume = world.resource::<Resolution>().particle_volume();
         let mut particles = Vec::with_capacity(seeds.len());
@@ -122,7 +125,15 @@ impl SceneSection for FluidsSection {
                     return Err(Invalid::new(format!("{}.pressure", seed.fluid), message).into());
                 }
             };
-            let rho = rho0 * state.compression(p);
+            let beta = state.compression(p);
+            if !(1.0 / GREATEST_COMPRESSION..=GREATEST_COMPRESSION).contains(&beta) {
+                let message = format!(
+                    "its density would be {beta:.4} times the reference density (bulk modulus {:.4e} Pa)",
+                    state.bulk_modulus
+                );
+                return Err(Invalid::new(format!("{}.pressure", seed.fluid), message).into());
+            }
+            let rho = rho0 * beta;
             particles.push((
                 Fluid,
                 (ParticleId(id as u32), PhaseIndex(phase.index), Position(seed.position)),
@@ -151,12 +162,13 @@ impl FluidsSection {
         }
     }
 
-    /// Centres of the particles of every fluid.
+    /// Centres of the particles of every fluid; tells the structures what they displace.
     fn seeds(&self, world: &mut World) -> Result<Vec<Seed>, Invalid> {
         let resolution = *world.resource::<Resolution>();
         let periodic = *world.resource::<PeriodicSides>();
         let bodies = body_shapes(world);
         let mut taken: HashMap<LatticeIndex, usize> = HashMap::new();
+        let mut displaced: HashMap<String, f64> = HashMap::new();
         let mut seeds = Vec::new();
         for (k, fluid) in self.0.iter().enumerate() {
             let before = seeds.len();
@@ -169,11 +181,19 @@ impl FluidsSection {
                 DVec3::ZERO,
                 -EDGE * resolution.spacing,
             );
-            for point in points.into_iter().filter(|point| periodic.contains(point.position)) {
-                if !is_free(point.position, &bodies, &periodic, resolution.spacing)
-                    .map_err(|wall| overlap(k, fluid, point.position, &wall))?
-                {
-                    continue;
+            for point in points {
+                if !periodic.contains(point.position) {
+                    let message = format!("reaches beyond the periodic sides at {}", place(point.position));
+                    return Err(Invalid::new(format!("{k}.shape"), message));
+                }
+                match place_of(point.position, &bodies, &periodic, resolution.spacing) {
+                    Place::Free => {}
+                    Place::Beside => continue,
+                    Place::InStructure(name) => {
+                        *displaced.entry(name.to_owned()).or_default() += resolution.particle_volume();
+                        continue;
+                    }
+                    Place::InWall(name) => return Err(overlap(k, fluid, point.position, name)),
                 }
                 if let Some(&other) = taken.get(&point.index) {
                     // A cell whose centre lies on the common edge of two fluids belongs to the first.
@@ -192,28 +212,42 @@ impl FluidsSection {
                 return Err(Invalid::new(format!("{k}.shape"), message));
             }
         }
+        for (body, mut structure) in world.query::<(&Body, &mut Structure)>().iter_mut(world) {
+            structure.displaced = displaced.get(&body.name).copied().unwrap_or_default();
+        }
         Ok(seeds)
     }
 }
 
-/// Whether a fluid particle can be at `x`; the name of the wall that it would be deep in is an error.
-fn is_free(
+/// What is at a place of the lattice.
+enum Place<'a> {
+    /// Nothing that keeps fluid out.
+    Free,
+    /// The surface of a wall.
+    Beside,
+    /// The structure of this name.
+    InStructure(&'a str),
+    /// The wall of this name: fluid that reaches so deep into it is a mistake.
+    InWall(&'a str),
+}
+
+fn place_of<'a>(
     x: DVec3,
-    bodies: &[(String, BodyShape, bool)],
+    bodies: &'a [(String, BodyShape, bool)],
     periodic: &PeriodicSides,
     spacing: f64,
-) -> Result<bool, String> {
-    let mut free = true;
+) -> Place<'a> {
+    let mut found = Place::Free;
     for (name, shape, is_structure) in bodies {
-        let clearance = shape.clearance(x) / spacing;
-        if clearance < -OVERLAP && !is_structure {
-            return Err(name.clone());
+        let clearance = shape.clearance_through(periodic, x) / spacing;
+        match *is_structure {
+            false if clearance < -OVERLAP => return Place::InWall(name),
+            false if clearance < WALL_CLEARANCE => found = Place::Beside,
+            true if clearance < WALL_CLEARANCE && matches!(found, Place::Free) => found = Place::InStructure(name),
+            _ => {}
         }
-        // A structure on a periodic side is in the way at the other side, too.
-        let images = || periodic.images_of(x).any(|image| shape.clearance(image) < WALL_CLEARANCE * spacing);
-        free &= clearance >= WALL_CLEARANCE && !(*is_structure && images());
     }
-    Ok(free)
+    found
 }
 
 fn overlap(k: usize, fluid: &FluidSpec, x: DVec3, wall: &str) -> Invalid {
@@ -243,9 +277,10 @@ fn choose_state(
     let (depth_pressure, height) = depths.map_or((0.0, 0.0), Depths::extremes);
     let start_speed =
         fluids.iter().filter_map(|fluid| fluid.velocity).map(|v| v.position().length()).fold(0.0, f64::max);
+    let wall_speed = greatest_wall_speed(world);
     let dam_break_speed = 2.0 * (world.resource::<Gravity>().full.length() * height).sqrt();
     let max_pressure = settings.max_pressure.unwrap_or(depth_pressure);
-    let max_speed = settings.max_speed.unwrap_or(dam_break_speed.max(start_speed));
+    let max_speed = settings.max_speed.unwrap_or(dam_break_speed.max(start_speed).max(wall_speed));
     let state = EquationOfState::new(&densities, &settings, max_pressure, max_speed);
     if state.bulk_modulus > 0.0 && state.bulk_modulus.is_finite() {
         return Ok(state);
@@ -253,4 +288,11 @@ fn choose_state(
     let document = &world.resource::<super::SceneDocument>().0;
     let message = "the sound speed comes out as 0 or infinite: give `max_speed` (m/s) or `max_pressure` (Pa)";
     Err(document.invalid(&Invalid::new(StateSettings::NAME, message)).into())
+}
+
+/// Greatest speed (m/s) that any body is prescribed.
+fn greatest_wall_speed(world: &mut World) -> f64 {
+    let end_time = world.resource::<SceneInfo>().end_time;
+    let mut bodies = world.query::<(&BodyShape, &Motion)>();
+    bodies.iter(world).map(|(body, motion)| motion.greatest_speed(body.shape.bounds(), end_time)).fold(0.0, f64::max)
 }

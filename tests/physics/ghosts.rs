@@ -109,3 +109,19 @@ fn walls_stop_only_what_comes_too_near() {
         }
     }
 }
+
+#[test]
+fn the_sound_speed_and_the_time_step_know_how_fast_walls_move() {
+    // 6 m/s at the corners of the box, faster than a dam break of 0.5 m.
+    let rate = 6.0 / 0.5_f64.hypot(0.5);
+    let motion = format!(r#""tank": (motion: Rotation(center: (0.5, 0.5), rate: {rate:?}), "#);
+    let mut app = app(&tank(2).replace(r#""tank": ("#, &motion), &[]);
+    let state = *app.world_mut().resource::<EquationOfState>();
+    assert!((state.max_speed - 6.0).abs() < 1e-9, "{} m/s", state.max_speed);
+    let clock = *app.world_mut().resource::<storegga::clock::Clock>();
+    // Ghosts reach beyond the corners.
+    assert!(clock.greatest_speed > 6.0 && clock.greatest_speed < 9.0, "{} m/s", clock.greatest_speed);
+    let h = app.world_mut().resource::<Resolution>().smoothing_length;
+    let limit = 0.25 * h / (state.sound_speed(1000.0) + clock.greatest_speed);
+    assert!((clock.stable_time_step / limit - 1.0).abs() < 1e-12);
+}

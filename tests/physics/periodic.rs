@@ -1,25 +1,91 @@
 //! Periodic sides hold for bodies, too.
 
+use bevy_app::App;
 use bevy_ecs::prelude::*;
 use glam::DVec3;
-use storegga::particles::{Fluid, Mass, Position, Pressure, Velocity, Wall};
+use storegga::boundary::Load;
+use storegga::particles::{Fluid, Mass, Position, Pressure, Solid, Velocity, Wall};
 
-use crate::support::{advance, app, periodic_box, tank};
+use crate::support::{advance, app, evaluate, periodic_box, refusal, tank};
 
-/// Fluid particles left by a cylinder at `x`.
-fn particles_around_a_cylinder_at(x: f64) -> usize {
-    let body = format!(r#"structures: {{ "body": (shape: Circle(center: ({x:?}, 0.5), radius: 0.2)) }}, phases:"#);
-    let mut app = app(&periodic_box(2).replace("phases:", &body), &["equation_of_state.background_pressure=0.0"]);
+/// The periodic box with more sections, its fluids cut by the shapes `minus`.
+fn cut_box(sections: &str, minus: &str) -> App {
+    let mut text = periodic_box(2).replace("phases:", &format!("{sections} phases:"));
+    for shape in ["Box(min: (0.0, 0.5), max: (1.0, 1.0))", "Box(min: (0.0, 0.0), max: (1.0, 0.5))"] {
+        text = text.replace(shape, &format!("Difference(of: {shape}, minus: [{minus}])"));
+    }
+    app(&text, &["equation_of_state.background_pressure=0.0"])
+}
+
+/// The periodic box with a cylinder at `x`: a structure, or a wall around which the fluid is.
+fn with_cylinder(section: &str, x: f64) -> App {
+    let circle = |x: f64| format!("Circle(center: ({x:?}, 0.5), radius: 0.2)");
+    let (more, minus) = match section {
+        "walls" => (", fluid: Outside", [x - 1.0, x, x + 1.0].map(circle).join(", ")),
+        // Structures displace fluid by themselves: nothing is cut.
+        _ => ("", circle(9.0)),
+    };
+    cut_box(&format!(r#"{section}: {{ "body": (shape: {}{more}) }},"#, circle(x)), &minus)
+}
+
+/// Particles of the fluid, and ghosts of walls and structures.
+fn counts(app: &mut App) -> [usize; 3] {
     let world = app.world_mut();
-    world.query_filtered::<(), With<Fluid>>().iter(world).count()
+    [
+        world.query_filtered::<(), With<Fluid>>().iter(world).count(),
+        world.query_filtered::<(), With<Wall>>().iter(world).count(),
+        world.query_filtered::<(), With<Solid>>().iter(world).count(),
+    ]
 }
 
 #[test]
-fn a_structure_on_a_side_displaces_as_much_as_in_the_middle() {
-    let middle = particles_around_a_cylinder_at(0.5);
-    assert!(middle < 380, "{middle}");
-    assert_eq!(particles_around_a_cylinder_at(0.0), middle);
-    assert_eq!(particles_around_a_cylinder_at(1.0), middle);
+fn a_body_on_a_side_is_as_whole_as_in_the_middle() {
+    for section in ["structures", "walls"] {
+        let middle = counts(&mut with_cylinder(section, 0.5));
+        assert!(middle[0] < 380 && middle[1] + middle[2] > 30, "{middle:?}");
+        for x in [0.0, 1.0] {
+            assert_eq!(counts(&mut with_cylinder(section, x)), middle, "{section} at {x}");
+        }
+    }
+}
+
+#[test]
+fn an_obstacle_right_across_has_its_ghosts_once() {
+    // A sill that is longer than the period: 20 by 4 of the box's 20 by 20 places are ghosts.
+    let shape = "Box(min: (-0.5, 0.4), max: (1.5, 0.6))";
+    let sill = format!(r#"walls: {{ "sill": (shape: {shape}, fluid: Outside) }},"#);
+    assert_eq!(counts(&mut cut_box(&sill, shape)), [320, 80, 0]);
+}
+
+#[test]
+fn the_moment_on_a_structure_does_not_depend_on_where_the_sides_are() {
+    let text = |x: f64| {
+        format!(
+            r#"Scene(
+            dimension: 2, spacing: 0.02, gravity: (0.0, -9.81), end_time: 1.0, periodic: (x: (0.0, 0.6)),
+            phases: {{ "water": (reference_density: 1000.0, rheology: Newtonian(viscosity: 0.001)) }},
+            fluids: [(phase: "water", shape: Box(min: (0.0, 0.0), max: (0.6, 0.6)))],
+            walls: {{ "floor": (shape: Box(min: (0.0, 0.0), max: (0.6, 1.0)), cut: Box(min: (-1.0, 0.5), max: (2.0, 2.0))) }},
+            structures: {{ "body": (shape: Circle(center: ({x:?}, 0.3), radius: 0.1)) }},
+        )"#
+        )
+    };
+    for x in [0.0, 0.3, 0.6] {
+        let mut app = app(&text(x), &[]);
+        evaluate(app.world_mut());
+        let world = app.world_mut();
+        let load = *world.query::<&Load>().single(world).expect("one structure");
+        let buoyancy = load.force().y;
+        assert!(buoyancy > 200.0, "{buoyancy}");
+        assert!(load.moment().z.abs() < 1e-6 * buoyancy, "at {x}: {} N m", load.moment().z);
+    }
+}
+
+#[test]
+fn fluid_beyond_the_sides_is_refused() {
+    let text = periodic_box(2).replace("max: (1.0, 1.0)", "max: (1.2, 1.0)");
+    let error = refusal(&text, &[]);
+    assert!(error.contains("beyond the periodic sides"), "{error}");
 }
 
 #[test]

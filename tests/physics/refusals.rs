@@ -1,21 +1,6 @@
 //! Scenes that would hang, burst or mislead are refused with their place.
 
-use storegga::app::{PaperPlugins, open};
-use storegga::scene::Document;
-
-use crate::support::{periodic_box, tank};
-
-/// What is said of the scene `text` with overrides.
-fn refusal(text: &str, overrides: &[&str]) -> String {
-    let mut document = Document::parse("test.ron", text).unwrap_or_else(|error| panic!("{}", error.render(false)));
-    for pair in overrides {
-        document = document.set_pair(pair).unwrap_or_else(|error| panic!("{}", error.render(false)));
-    }
-    match open(PaperPlugins, document) {
-        Ok(_) => panic!("{overrides:?} was accepted"),
-        Err(error) => error.render(false),
-    }
-}
+use crate::support::{app, periodic_box, refusal, tank};
 
 #[test]
 fn a_period_shorter_than_the_kernel_reaches() {
@@ -65,9 +50,35 @@ fn motions_that_make_no_sense() {
             "Table(center: (0.0, 0.0), rows: [(time: 0.0, displacement: (0.0, 0.0)), (time: 1.0, displacement: (0.0, 0.0, 5.0))])",
             "rows.1.displacement",
         ),
+        (
+            "Table(center: (0.0, 0.0), rows: [(time: 0.0, displacement: (0.3, 0.0)), (time: 1.0, displacement: (0.0, 0.0))])",
+            "at t = 0",
+        ),
     ] {
         let text = tank(2).replace(r#""tank": ("#, &format!(r#""tank": (motion: {motion}, "#));
         let said = refusal(&text, &[]);
         assert!(said.contains(word), "{motion}: {said}");
     }
+}
+
+#[test]
+fn pressures_that_no_fluid_has() {
+    for pressure in ["-1e9", "1e9"] {
+        let text = tank(2).replace("fluids: [(", &format!("fluids: [(pressure: Uniform({pressure}), "));
+        let said = refusal(&text, &[]);
+        assert!(said.contains("fluids.0.pressure") && said.contains("times the reference density"), "{said}");
+    }
+}
+
+#[test]
+fn structures_that_overlap() {
+    let two = |x: f64| {
+        let circle = |x: f64| format!("(shape: Circle(center: ({x:?}, 0.25), radius: 0.1))");
+        let structures = format!(r#"structures: {{ "a": {}, "b": {} }}, phases:"#, circle(0.3), circle(x));
+        tank(2).replace("phases:", &structures)
+    };
+    let said = refusal(&two(0.4), &[]);
+    assert!(said.contains("structures.b.shape") && said.contains("overlaps the structure `a`"), "{said}");
+    // Side by side they are no mistake.
+    let _ = app(&two(0.55), &[]);
 }

@@ -19,6 +19,18 @@ pub fn app(text: &str, overrides: &[&str]) -> App {
     open(PaperPlugins, document).unwrap_or_else(|error| panic!("{}", error.render(false)))
 }
 
+/// What is said of the scene `text` with overrides.
+pub fn refusal(text: &str, overrides: &[&str]) -> String {
+    let mut document = Document::parse("test.ron", text).unwrap_or_else(|error| panic!("{}", error.render(false)));
+    for pair in overrides {
+        document = document.set_pair(pair).unwrap_or_else(|error| panic!("{}", error.render(false)));
+    }
+    match open(PaperPlugins, document) {
+        Ok(_) => panic!("{overrides:?} was accepted"),
+        Err(error) => error.render(false),
+    }
+}
+
 /// Runs `steps` steps.
 pub fn advance(world: &mut World, steps: u64) {
     let last = world.resource::<Clock>().step + steps;
