@@ -10,8 +10,8 @@ pub use body::{Body, BodyShape};
 pub use loads::{Load, Structure, force_on_particles, sum_loads};
 pub use motion::{Kinematics, Motion, TableRow, move_bodies};
 pub use structures::{StructureSpec, StructuresSection};
-pub(crate) use walls::body_shapes;
 pub use walls::{FluidSide, WallSpec, WallsSection};
+pub(crate) use walls::{body_shapes, ghost_layer_count};
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;

@@ -76,7 +76,7 @@ impl SceneSection for WallsSection {
     fn spawn(self, world: &mut World) -> Result<(), SectionError> {
         let resolution = *world.resource::<Resolution>();
         let periodic = *world.resource::<PeriodicSides>();
-        let layers = (world.resource::<SmoothingKernel>().0.radius() / resolution.spacing).ceil() as usize;
+        let layers = ghost_layer_count(world.resource::<SmoothingKernel>(), &resolution);
         for (index, (name, wall)) in self.0.into_iter().enumerate() {
             let side = if wall.fluid == FluidSide::Inside { Side::Outside } else { Side::Inside };
             let ghosts =
@@ -101,6 +101,11 @@ impl SceneSection for WallsSection {
         }
         Ok(())
     }
+}
+
+/// Layers of ghosts of a wall: as deep as the kernel reaches.
+pub(crate) fn ghost_layer_count(kernel: &SmoothingKernel, resolution: &Resolution) -> usize {
+    (kernel.0.radius() / resolution.spacing).ceil() as usize
 }
 
 /// Shape of every wall and structure: where no fluid goes. Name, shape, and whether it is a structure.

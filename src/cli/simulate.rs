@@ -86,13 +86,13 @@ fn run_in_pool(
     stop: &StopFlag,
     progress: &mut Progress,
 ) -> Result<Outcome, UserError> {
+    let scene_end = app::end_time(world);
+    let end_time = settings.until.unwrap_or(scene_end);
     if let Some(path) = settings.log {
-        open_log(world, path)
+        open_log(world, path, end_time)
             .map_err(|error| UserError::plain(error.to_string()).help("choose another file with --out"))?;
         settings.warnings.iter().for_each(|line| log_message(world, Level::Warning, line));
     }
-    let scene_end = app::end_time(world);
-    let end_time = settings.until.unwrap_or(scene_end);
     let particles = ParticleCounts::of(world);
     progress.start(particles.fluid, end_time);
     let started = Instant::now();

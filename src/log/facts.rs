@@ -2,14 +2,15 @@
 
 use bevy_ecs::prelude::*;
 
+use crate::boundary::ghost_layer_count;
 use crate::clock::Clock;
 use crate::kernels::SmoothingKernel;
 use crate::neighbours::Neighbours;
 use crate::outputs::{OutputKind, OutputTimes};
 use crate::particles::{Fluid, Solid, Wall};
 use crate::phases::phases;
-use crate::physics::EquationOfState;
-use crate::scene::{Resolution, SceneInfo};
+use crate::physics::{EquationOfState, GREATEST_COMPRESSION, LEAST_DETERMINANT, first_layer_fullness};
+use crate::scene::{Resolution, SceneInfo, WALL_CLEARANCE};
 
 /// A derived number.
 #[derive(Debug, Clone, PartialEq)]
@@ -73,8 +74,14 @@ pub fn derived_numbers(world: &mut World) -> Vec<Fact> {
     let resolution = *world.resource::<Resolution>();
     add("smoothing_length", "m", resolution.smoothing_length.to_string());
     add("kernel", "", world.resource::<SceneInfo>().kernel.clone());
-    add("kernel_support", "m", world.resource::<SmoothingKernel>().0.radius().to_string());
+    let kernel = world.resource::<SmoothingKernel>().clone();
+    add("kernel_support", "m", kernel.0.radius().to_string());
     add("neighbour_reach", "m", world.resource::<Neighbours>().reach().to_string());
+    add("ghost_layers", "", ghost_layer_count(&kernel, &resolution).to_string());
+    add("fluid_clearance_of_bodies", "spacings", WALL_CLEARANCE.to_string());
+    add("wall_impact.first_layer", "", first_layer_fullness(&kernel, &resolution).to_string());
+    add("strain_rate.least_determinant", "", LEAST_DETERMINANT.to_string());
+    add("greatest_compression", "", GREATEST_COMPRESSION.to_string());
     let clock = *world.resource::<Clock>();
     add("first_time_step", "s", clock.stable_time_step.to_string());
     add("first_time_step_limit", "", clock.stable_limit.to_string());
@@ -84,9 +91,11 @@ pub fn derived_numbers(world: &mut World) -> Vec<Fact> {
     facts
 }
 
-/// The program and the machine: its version, and the threads of the pool in which this is called.
-pub(super) fn program_facts() -> [(String, String); 2] {
+/// The program and how it was called: its version, the end of the run (s), and the threads of the pool in which this is
+/// called.
+pub(super) fn program_facts(end_time: f64) -> [(String, String); 3] {
     [
+        ("until [s]".to_owned(), end_time.to_string()),
         ("storegga".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
         ("threads".to_owned(), rayon::current_num_threads().to_string()),
     ]

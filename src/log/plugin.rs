@@ -13,11 +13,13 @@ use super::{
     program_facts,
 };
 use crate::app::{End, StoreggaApp};
+use crate::boundary::{Body, Structure};
 use crate::clock::Clock;
 use crate::outputs::{OutputKind, OutputTimes};
 use crate::particles::{Solid, Wall};
+use crate::phases::phases;
 use crate::probes::Series;
-use crate::scene::{Invalid, SceneDocument, SceneFacts, SceneInfo, SceneSection, SectionError};
+use crate::scene::{Document, Invalid, SceneDocument, SceneFacts, SceneInfo, SceneSection, SectionError};
 use crate::schedule::{Output, OutputStage};
 
 /// Section `log`: how often outputs are written.
@@ -190,23 +192,28 @@ impl Log {
     }
 }
 
-/// Opens the log of a loaded scene at `path` and writes what the run starts from: the text of the scene, every
-/// parameter, every default, every number derived from them. From then on outputs are written to it.
+/// Opens the log of a loaded scene at `path`, for a run to `end_time` (s), and writes what the run starts from: the text of
+/// the scene, every parameter, every default, every number derived from them. From then on outputs are written to it.
 ///
 /// # Errors
 /// The file cannot be created or written.
-pub fn open_log(world: &mut World, path: &Path) -> Result<(), LogError> {
+pub fn open_log(world: &mut World, path: &Path, end_time: f64) -> Result<(), LogError> {
     let mut writer = LogWriter::create(path)?;
     let document = &world.resource::<SceneDocument>().0;
-    let name = Path::new(document.file()).file_name().map_or(document.file().into(), |name| name.to_string_lossy());
-    writer.attach(&name, "text/plain", document.text().as_bytes())?;
+    attach(&mut writer, document, "")?;
+    if let Some(variant) = document.variant() {
+        attach(&mut writer, variant, "variant ")?;
+    }
     writer.metadata("overrides", document.overrides())?;
     let facts = world.resource::<SceneFacts>();
     writer.metadata("parameters", &facts.parameters)?;
     writer.metadata("defaults", &facts.defaults)?;
     let named: Vec<_> = derived_numbers(world).iter().map(|fact| (fact.key(), fact.value.clone())).collect();
     writer.metadata("derived", &named)?;
-    writer.metadata("program", &program_facts())?;
+    writer.metadata("program", &program_facts(end_time))?;
+    for (name, entries) in names(world) {
+        writer.metadata(name, &entries)?;
+    }
 
     let particles = writer.add_points("/particles", &FLUID_FIELDS)?;
     let walls = any::<Wall>(world).then(|| writer.add_points("/walls", &BODY_FIELDS)).transpose()?;
@@ -217,6 +224,24 @@ pub fn open_log(world: &mut World, path: &Path) -> Result<(), LogError> {
     writer.message(clock.time, Level::Info, &format!("the run starts: {title}"))?;
     world.insert_resource(Log { writer, particles, walls, structures, steps, series: Vec::new(), last_frame: None });
     Ok(())
+}
+
+fn attach(writer: &mut LogWriter, document: &Document, kind: &str) -> Result<(), LogError> {
+    let name = Path::new(document.file()).file_name().map_or(document.file().into(), |name| name.to_string_lossy());
+    writer.attach(&format!("{kind}{name}"), "text/plain", document.text().as_bytes())
+}
+
+/// What the numbers in point clouds stand for: names by index of phases, walls and structures, and units of the fields.
+fn names(world: &mut World) -> [(&'static str, Vec<(String, String)>); 4] {
+    let phases = phases(world).into_iter().map(|(phase, _)| (phase.index.to_string(), phase.name)).collect();
+    let mut bodies = world.query::<(&Body, Has<Structure>)>();
+    let mut named = |structures: bool| {
+        let own = bodies.iter(world).filter(|(_, is_structure)| *is_structure == structures);
+        own.map(|(body, _)| (body.index.to_string(), body.name.clone())).collect()
+    };
+    let (walls, structures) = (named(false), named(true));
+    let units = FLUID_FIELDS.iter().chain(&BODY_FIELDS).map(|field| (field.name.to_owned(), field.unit.to_owned()));
+    [("phases", phases), ("walls", walls), ("structures", structures), ("units", units.collect())]
 }
 
 fn any<M: Component>(world: &mut World) -> bool {

@@ -50,46 +50,48 @@ impl PointKind {
 pub struct PointField<'a> {
     /// Name that a viewer shows; `x`, `y` and `z` are the place in the world in metres.
     pub name: &'a str,
+    /// SI unit; empty for numbers that name something.
+    pub unit: &'a str,
     /// How it is stored.
     pub kind: PointKind,
 }
 
 impl<'a> PointField<'a> {
-    /// A field called `name` that is stored as `kind`.
-    pub const fn new(name: &'a str, kind: PointKind) -> Self {
-        Self { name, kind }
+    /// A field called `name` in `unit` that is stored as `kind`.
+    pub const fn new(name: &'a str, unit: &'a str, kind: PointKind) -> Self {
+        Self { name, unit, kind }
     }
 }
 
 /// Fields of a fluid particle (45 bytes): place \[m\], velocity \[m/s\], density \[kg/m³\], pressure \[Pa\],
 /// apparent dynamic viscosity \[Pa·s\], shear rate \[1/s\], number of its phase, number of the particle.
 pub const FLUID_FIELDS: [PointField<'static>; 12] = [
-    PointField::new("x", PointKind::F32),
-    PointField::new("y", PointKind::F32),
-    PointField::new("z", PointKind::F32),
-    PointField::new("vx", PointKind::F32),
-    PointField::new("vy", PointKind::F32),
-    PointField::new("vz", PointKind::F32),
-    PointField::new("density", PointKind::F32),
-    PointField::new("pressure", PointKind::F32),
-    PointField::new("viscosity", PointKind::F32),
-    PointField::new("shear_rate", PointKind::F32),
-    PointField::new("phase", PointKind::U8),
-    PointField::new("id", PointKind::U32),
+    PointField::new("x", "m", PointKind::F32),
+    PointField::new("y", "m", PointKind::F32),
+    PointField::new("z", "m", PointKind::F32),
+    PointField::new("vx", "m/s", PointKind::F32),
+    PointField::new("vy", "m/s", PointKind::F32),
+    PointField::new("vz", "m/s", PointKind::F32),
+    PointField::new("density", "kg/m³", PointKind::F32),
+    PointField::new("pressure", "Pa", PointKind::F32),
+    PointField::new("viscosity", "Pa s", PointKind::F32),
+    PointField::new("shear_rate", "1/s", PointKind::F32),
+    PointField::new("phase", "", PointKind::U8),
+    PointField::new("id", "", PointKind::U32),
 ];
 
 /// Fields of a particle of a wall or a structure (33 bytes): place \[m\], velocity \[m/s\], pressure \[Pa\],
 /// number of its body, number of the particle.
 pub const BODY_FIELDS: [PointField<'static>; 9] = [
-    PointField::new("x", PointKind::F32),
-    PointField::new("y", PointKind::F32),
-    PointField::new("z", PointKind::F32),
-    PointField::new("vx", PointKind::F32),
-    PointField::new("vy", PointKind::F32),
-    PointField::new("vz", PointKind::F32),
-    PointField::new("pressure", PointKind::F32),
-    PointField::new("body", PointKind::U8),
-    PointField::new("id", PointKind::U32),
+    PointField::new("x", "m", PointKind::F32),
+    PointField::new("y", "m", PointKind::F32),
+    PointField::new("z", "m", PointKind::F32),
+    PointField::new("vx", "m/s", PointKind::F32),
+    PointField::new("vy", "m/s", PointKind::F32),
+    PointField::new("vz", "m/s", PointKind::F32),
+    PointField::new("pressure", "Pa", PointKind::F32),
+    PointField::new("body", "", PointKind::U8),
+    PointField::new("id", "", PointKind::U32),
 ];
 
 /// The values of one field, or of three that make a vector, for all particles in order.

@@ -135,7 +135,7 @@ fn a_point_cloud_holds_packed_rows() {
 fn rows_of_many_blocks_keep_their_order_when_the_count_changes() {
     let temp = TempLog::new("blocks");
     let mut log = LogWriter::create(&temp.0).unwrap();
-    let fields = [PointField::new("x", PointKind::F32), PointField::new("id", PointKind::U32)];
+    let fields = [PointField::new("x", "m", PointKind::F32), PointField::new("id", "", PointKind::U32)];
     let points = log.add_points("/fluid", &fields).unwrap();
     let counts = [1000_u32, 0, 257, 600];
     for (frame, count) in counts.iter().enumerate() {

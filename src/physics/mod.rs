@@ -32,4 +32,6 @@ pub use viscous_force::{CentralForm, LaplacianForm, ViscousForce, ViscousForm};
 pub use wall_impact::{ImpactPressure, WallImpact, wall_impact};
 
 pub(crate) use momentum::{PairTerms, with_forms};
+pub(crate) use strain_rate::LEAST_DETERMINANT;
 pub(crate) use time_step::GREATEST_COMPRESSION;
+pub(crate) use wall_impact::first_layer_fullness;

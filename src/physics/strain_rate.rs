@@ -110,13 +110,13 @@ fn shear_rate_of<const D: usize>(l: &Matrix<D>) -> f64 {
 
 /// A particle with so few neighbours that K is this close to singular keeps its uncorrected gradient (K → 1 in a full
 /// neighbourhood).
-const SINGULAR: f64 = 0.1;
+pub(crate) const LEAST_DETERMINANT: f64 = 0.1;
 
 /// `L K⁻¹`, K⁻¹ being the transposed matrix of cofactors over the determinant.
 fn times_inverse<const D: usize>(l: Matrix<D>, k: Matrix<D>) -> Matrix<D> {
     let cofactors: Matrix<D> = from_fn(|a| from_fn(|b| cofactor(&k, a, b)));
     let determinant: f64 = (0..D).map(|b| k[0][b] * cofactors[0][b]).sum();
-    if determinant.abs() < SINGULAR {
+    if determinant.abs() < LEAST_DETERMINANT {
         return l;
     }
     from_fn(|a| from_fn(|b| (0..D).map(|c| l[a][c] * cofactors[b][c]).sum::<f64>() / determinant))

@@ -115,7 +115,7 @@ pub fn wall_impact(
         return Ok(());
     }
     let (dimension, h) = (resolution.dimension, resolution.smoothing_length);
-    let phi_half = *first_layer.get_or_insert_with(|| wall_fullness(&kernel, dimension, 0.5 * resolution.spacing));
+    let phi_half = *first_layer.get_or_insert_with(|| first_layer_fullness(&kernel, &resolution));
     let ghosts = Ghosts { rows: &neighbours.rows, walls: columns(&walls), structures: columns(&structures) };
     for (x, v, rho, rho0, mut impact) in fluid.contiguous_iter_mut()? {
         let out = impact.bypass_change_detection().par_iter_mut().with_min_len(GRAIN).with_max_len(PIECE);
@@ -128,6 +128,11 @@ pub fn wall_impact(
         });
     }
     Ok(())
+}
+
+/// φ_½ of the run.
+pub(crate) fn first_layer_fullness(kernel: &SmoothingKernel, resolution: &Resolution) -> f64 {
+    wall_fullness(kernel, resolution.dimension, 0.5 * resolution.spacing)
 }
 
 /// Rings or shells of equal thickness in the integral over a half-space.

@@ -105,7 +105,8 @@ fn read<P: Probe>(document: &Document, named: &Named<'_>, name: &str, world: &mu
     let probe: P = document.read_body(named)?;
     let mut facts = world.resource_mut::<SceneFacts>();
     facts.parameters.push((path.clone(), named.name.to_owned()));
-    facts.parameters.extend(flatten(&path, &probe));
+    // A probe without parameters has only its kind.
+    facts.parameters.extend(flatten(&path, &probe).into_iter().filter(|(place, _)| *place != path));
     facts.defaults.extend(document.defaults(&path, &probe));
     spawn_probe(world, name, format!("/probes/{name}"), probe)
         .map_err(|invalid| document.invalid(&invalid.under(&path)))

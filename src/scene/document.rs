@@ -112,6 +112,11 @@ impl Document {
         &self.overrides
     }
 
+    /// The variant file that changed the scene, if it came from one.
+    pub fn variant(&self) -> Option<&Self> {
+        self.variant.as_deref()
+    }
+
     /// The value at a path such as `phases.slide.rheology.yield_stress` or `fluids.0.velocity.1`; the empty path is
     /// the whole scene. Names before parentheses and `Some` are passed over.
     pub fn node(&self, path: &str) -> Option<&Node> {

@@ -64,7 +64,7 @@ pub struct FilledFluids {
 
 /// A particle lies farther (in spacings) than this from the surface of a wall or structure: not on it, as some places of the
 /// lattice do on a slanted wall, but otherwise as near as it comes, so that on average a body displaces its own volume.
-pub(super) const WALL_CLEARANCE: f64 = 1e-6;
+pub(crate) const WALL_CLEARANCE: f64 = 1e-6;
 
 /// Fluid that reaches deeper (in spacings) into a wall than this is a mistake in the scene.
 const OVERLAP: f64 = 0.75;

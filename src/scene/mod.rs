@@ -14,6 +14,7 @@ mod variant;
 
 pub(crate) use columns::vertical;
 pub use document::{Document, Named, Node, flatten, nearest};
+pub(crate) use fluids::WALL_CLEARANCE;
 pub use fluids::{FilledFluids, FluidSpec, FluidsSection, InitialPressure};
 pub use header::{Header, Periodic, Resolution, SceneInfo};
 pub use hydrostatics::{Column, Layer};
