@@ -208,6 +208,9 @@ fn overrides_are_as_strict_as_the_scene() {
     refused("phases.wtaer.reference_density=1", &["no `wtaer`", "did you mean `water`?"]);
     refused("phases.water.rheology.viscosty=1", &["did you mean `viscosity`?"]);
     refused("spacing", &["expected `path=value`"]);
+    let parts = ["unknown field `max_sped`", "did you mean `max_speed`?", "set by --set equation_of_state.max_sped=2"];
+    refused("equation_of_state.max_sped=2", &parts);
+    refused("eqation_of_state.max_speed=2", &["did you mean `equation_of_state`?", "set by --set eqation"]);
 }
 
 #[test]
@@ -225,10 +228,17 @@ fn missing_files_and_wrong_options_are_refused() {
 #[test]
 fn a_diverging_run_ends_with_3_and_a_log_that_reads() {
     let folder = Folder::tank("diverging");
-    let sets = ["--set", "fluids.0.velocity=(50.0, 0.0)", "--set", "equation_of_state=(max_speed: 1.0)"];
+    let sets = ["--set", "fluids.0.velocity=(50.0, 0.0)", "--set", "equation_of_state.max_speed=1"];
     let ran = folder.run(&[&["run", "tank.ron", "--json"][..], &sets].concat());
     assert_eq!(ran.code(), Some(3), "{}", ran.err());
-    for part in ["diverged at t = ", "particle ", "`water`", "position (", "max_speed", "closed and readable"] {
+    for part in [
+        "diverged at t = ",
+        "particle ",
+        "`water`",
+        "position (",
+        "--set equation_of_state.max_speed=",
+        "closed and readable",
+    ] {
         assert!(ran.err().contains(part), "{part} is not in\n{}", ran.err());
     }
     let json = ran.json();

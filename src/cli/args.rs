@@ -113,7 +113,7 @@ pub(super) struct ScenesArgs {
 /// Overrides of values of the scene.
 #[derive(Debug, Args)]
 pub(super) struct Overrides {
-    /// Override a value of the scene, such as spacing=0.008, fluids.0.velocity.1=0.5 or
+    /// Override a value of the scene, such as spacing=0.008, fluids.0.shape.max.1=0.5 or
     /// phases.mud.rheology.yield_stress=500; can be given again and again.
     #[arg(long = "set", value_name = "PATH=VALUE")]
     pub set: Vec<String>,

@@ -14,14 +14,14 @@ use super::summary::{checks_table, divergence, summary};
 use super::{json, warnings};
 use crate::app::{End, open};
 use crate::error::UserError;
-use crate::scene::{Document, open_document};
+use crate::scene::open_document;
 
 /// Runs a scene and writes its log.
 pub(super) fn run<P: PluginGroup>(args: &RunArgs, plugins: fn() -> P) -> Result<ExitCode, UserError> {
     let document = open_document(&args.scene, &args.overrides.set)?;
     let log = args.out.clone().unwrap_or_else(|| default_log(&args.scene));
     let stop = exit::stop_on_interrupt();
-    let mut app = open(plugins(), document.clone())?;
+    let mut app = open(plugins(), document)?;
     make_folder(&log)?;
     let warnings = warnings::warnings(app.world_mut());
     if !args.quiet {
@@ -29,7 +29,7 @@ pub(super) fn run<P: PluginGroup>(args: &RunArgs, plugins: fn() -> P) -> Result<
     }
     let settings = Settings { until: args.until, log: Some(&log), warnings, threads: args.threads.count() };
     let outcome = simulate(&mut app, &settings, &stop, &mut Progress::new(args.quiet))?;
-    tell(args, &document, &log, &outcome);
+    tell(args, &log, &outcome);
     Ok(ExitCode::from(match &outcome.end {
         End::Diverged(_) => exit::DIVERGED,
         End::Interrupted => exit::INTERRUPTED,
@@ -41,7 +41,7 @@ pub(super) fn run<P: PluginGroup>(args: &RunArgs, plugins: fn() -> P) -> Result<
 }
 
 /// Prints what came out: the result to standard output, what is wrong to standard error.
-fn tell(args: &RunArgs, document: &Document, log: &Path, outcome: &Outcome) {
+fn tell(args: &RunArgs, log: &Path, outcome: &Outcome) {
     if args.json {
         say(&format!("{}\n", json::object(&args.scene, log, outcome)));
     } else if !args.quiet {
@@ -55,7 +55,7 @@ fn tell(args: &RunArgs, document: &Document, log: &Path, outcome: &Outcome) {
         ));
     }
     if let End::Diverged(report) = &outcome.end {
-        complain(&divergence(report, document, log, outcome));
+        complain(&divergence(report, log, outcome));
     }
     if (args.json || args.quiet) && !outcome.passes() {
         complain(&checks_table(outcome.checks.as_deref().unwrap_or_default()));

@@ -9,7 +9,6 @@ use super::table::Table;
 use crate::app::End;
 use crate::expect::Check;
 use crate::physics::DivergenceReport;
-use crate::scene::Document;
 
 /// The summary of a run.
 pub(super) fn summary(scene: &Path, log: &Path, outcome: &Outcome) -> String {
@@ -71,7 +70,7 @@ pub(super) fn verdict(pass: bool) -> &'static str {
 }
 
 /// What happened to a diverged run, and what to try.
-pub(super) fn divergence(report: &DivergenceReport, document: &Document, log: &Path, outcome: &Outcome) -> String {
+pub(super) fn divergence(report: &DivergenceReport, log: &Path, outcome: &Outcome) -> String {
     let DivergenceReport { time, step, particle, phase, position, velocity, density, pressure, reason } = report;
     let phase = outcome.phases.get(*phase as usize).map_or("?", String::as_str);
     format!(
@@ -84,29 +83,23 @@ pub(super) fn divergence(report: &DivergenceReport, document: &Document, log: &P
         triple(velocity.to_array()),
         short(*density),
         short(*pressure),
-        advice(velocity.length(), document, outcome),
+        advice(velocity.length(), outcome),
         log.display(),
     )
 }
 
 /// What mostly helps against divergence.
-fn advice(speed: f64, document: &Document, outcome: &Outcome) -> String {
-    // A section that the scene does not have can only be set as a whole.
-    let set = |section: &str, field: &str, value: String| match document.node(section) {
-        Some(_) => format!("--set {section}.{field}={value}"),
-        None => format!("--set '{section}=({field}: {value})'"),
-    };
+fn advice(speed: f64, outcome: &Outcome) -> String {
     // A speed that has exploded says nothing about the flow.
     let seen = if speed.is_finite() && speed < 100.0 * outcome.max_speed.max(1.0) { speed } else { 0.0 };
     let speed = short((2.0 * outcome.max_speed).max(1.0).max(seen));
     format!(
         "  What to try:\n    \
-         a greater sound speed: {} (the greatest speed expected, in m/s; it was {})\n    \
-         a smaller time step: {} (it was {})\n    \
+         a greater sound speed: --set equation_of_state.max_speed={speed} (the greatest speed expected, in m/s; it was {})\n    \
+         a smaller time step: --set time_step.sound={} (it was {})\n    \
          a smoother start: fluid that fits its walls (`storegga check`), or a `settling` phase\n",
-        set("equation_of_state", "max_speed", speed),
         short(outcome.max_speed),
-        set("time_step", "sound", short(0.5 * outcome.sound_coefficient)),
+        short(0.5 * outcome.sound_coefficient),
         short(outcome.sound_coefficient),
     )
 }

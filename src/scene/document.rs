@@ -35,6 +35,8 @@ pub struct Document {
     text: Arc<str>,
     root: Node,
     overrides: Vec<(String, String)>,
+    /// For each override the path of the outermost value that it brought.
+    brought: Vec<String>,
     /// The variant file that changed the scene, if it came from one.
     variant: Option<Arc<Self>>,
 }
@@ -71,7 +73,8 @@ impl Document {
         let root = tree::parse(&text).map_err(|error| {
             UserError::plain(error.message).at(file, Arc::clone(&text), error.span, "the text cannot be read from here")
         })?;
-        let document = Self { file: file.to_owned(), text, root, overrides: Vec::new(), variant: None };
+        let document =
+            Self { file: file.to_owned(), text, root, overrides: Vec::new(), brought: Vec::new(), variant: None };
         document.check(&document.root)?;
         // The tree comes from another reader of the same notation; both must agree that the text is sound.
         document.read_node::<IgnoredAny>(&document.root)?;
@@ -220,9 +223,7 @@ impl Document {
         if let Some((variant, span)) = self.in_variant(&span) {
             return variant.complain(Complaint { message, span, label, help });
         }
-        let origin = self.overrides.iter().rev().find(|(path, _)| {
-            self.entry_span(path).is_some_and(|entry| entry.start <= span.start && span.end <= entry.end)
-        });
+        let origin = self.override_at(&span).and_then(|index| self.overrides.get(index));
         let mut error = UserError::plain(message).at(self.file.as_str(), Arc::clone(&self.text), span, label);
         if let Some(help) = help {
             error = error.help(help);

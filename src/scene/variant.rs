@@ -176,6 +176,10 @@ mod tests {
         assert!(expect.contains("ci/tank.ron:3:12"), "{expect}");
         let spacing = document.invalid(&super::super::Invalid::new("spacing", "negative")).to_string();
         assert!(spacing.contains("ci/tank.ron:2:20"), "{spacing}");
+        let misspelt =
+            Folder::new("misspelt", "Variant(of: \"../tank.ron\", set: {\"spacng.x\": 1})").open(&[]).unwrap();
+        let unknown = misspelt.require_known_fields("", &["title", "spacing", "expect"]).unwrap_err().render(false);
+        assert!(unknown.contains("ci/tank.ron:1:46") && unknown.contains("did you mean `spacing`?"), "{unknown}");
         let title = document.invalid(&super::super::Invalid::new("title", "dull")).to_string();
         assert!(!title.contains("ci/") && title.contains("tank.ron:2:12"), "{title}");
         let overridden = folder.open(&["spacing=-2"]).unwrap();
@@ -187,7 +191,7 @@ mod tests {
     fn what_is_wrong_with_a_variant_is_said_there() {
         for (name, variant, expected) in [
             ("base", "Variant(of: \"../tnak.ron\")", "did you mean"),
-            ("path", "Variant(of: \"../tank.ron\", set: {\"spacng.x\": \"1\"})", "ci/tank.ron:1:46"),
+            ("path", "Variant(of: \"../tank.ron\", set: {\"expect.7\": \"1\"})", "ci/tank.ron:1:46"),
             ("field", "Variant(of: \"../tank.ron\", sets: {})", "`sets`"),
         ] {
             let error = Folder::new(name, variant).open(&[]).unwrap_err();

@@ -13,12 +13,15 @@ impl Document {
     pub fn set_pair(&self, pair: &str) -> Result<Self, UserError> {
         match pair.split_once('=') {
             Some((path, value)) if !path.trim().is_empty() => self.set(path.trim(), value),
-            _ => Err(UserError::plain(format!("--set {pair}: expected `path=value`"))
-                .help("for example --set fluids.0.density=1000")),
+            _ => {
+                Err(UserError::plain(format!("--set {pair}: expected `path=value`"))
+                    .help("for example --set spacing=0.01"))
+            }
         }
     }
 
-    /// The document with the value at `path` replaced, or added if only what it belongs to exists.
+    /// The document with the value at `path` replaced, or added to what it belongs to: `equation_of_state.max_speed`
+    /// also where the scene leaves the whole section open. Tables get no new names and lists no new items on the way.
     ///
     /// The value is written as in a scene; where a text stood, the quotes may be left out.
     pub fn set(&self, path: &str, value: &str) -> Result<Self, UserError> {
@@ -30,10 +33,8 @@ impl Document {
             Some(old) => (old.span.clone(), value.clone()),
             None => self.insertion(path, &value)?,
         };
-        let before = self.text.get(..span.start).unwrap_or_default();
-        let after = self.text.get(span.end..).unwrap_or_default();
-        let mut document = Self::parse(&self.file, &format!("{before}{new}{after}"))?;
-        document.overrides = self.overrides.clone();
+        let mut document = self.spliced(span, &new)?;
+        document.brought.push(self.outermost_new(path).to_owned());
         document.overrides.push((path.to_owned(), value));
         document.variant = self.variant.clone();
         Ok(document)
@@ -45,10 +46,28 @@ impl Document {
             Some(old) => (old.span.clone(), value.to_owned()),
             None => self.insertion(name, value)?,
         };
+        self.spliced(span, &new)
+    }
+
+    /// The document with the text `new` at `span`.
+    fn spliced(&self, span: Range<usize>, new: &str) -> Result<Self, UserError> {
         let before = self.text.get(..span.start).unwrap_or_default();
         let after = self.text.get(span.end..).unwrap_or_default();
         let document = Self::parse(&self.file, &format!("{before}{new}{after}"))?;
-        Ok(Self { overrides: self.overrides.clone(), ..document })
+        Ok(Self { overrides: self.overrides.clone(), brought: self.brought.clone(), ..document })
+    }
+
+    /// The beginning of `path` that leads to the outermost value which does not exist yet; `path` itself if all do.
+    fn outermost_new<'p>(&self, path: &'p str) -> &'p str {
+        let (_, rest) = self.deepest(path);
+        let below = rest.split_once('.').map_or(0, |(_, below)| below.len() + 1);
+        path.get(..path.len() - below).unwrap_or(path)
+    }
+
+    /// The override that brought the text at `span`: its index, the latest one first.
+    pub(super) fn override_at(&self, span: &Range<usize>) -> Option<usize> {
+        let holds = |entry: Range<usize>| entry.start <= span.start && span.end <= entry.end;
+        self.brought.iter().rposition(|path| self.entry_span(path).is_some_and(holds))
     }
 
     /// The document, which `variant` changed: complaints about its changes point there.
@@ -67,9 +86,8 @@ impl Document {
                 return Some((variant, shifted(span.start)..shifted(span.end)));
             }
         }
-        // The variant's overrides come before those of the command line; the last that holds the place made it.
-        let holds = |(path, _): &(String, String)| self.entry_span(path).is_some_and(|entry| contains(&entry));
-        let index = self.overrides.iter().rposition(holds)?;
+        // The variant's overrides come before those of the command line.
+        let index = self.override_at(span)?;
         variant::sets(variant).into_iter().nth(index).map(|(_, set)| (variant, set.span))
     }
 
@@ -88,19 +106,18 @@ impl Document {
     fn insertion(&self, path: &str, value: &str) -> Result<(Range<usize>, String), UserError> {
         let (node, rest) = self.deepest(path);
         let parent = node.unwrapped();
-        let is_name = !rest.is_empty() && rest.chars().all(|letter| letter.is_alphanumeric() || letter == '_');
-        let entry = format!("{rest}: {value}");
         let inserted = match &parent.kind {
-            _ if rest.contains('.') => None,
-            Kind::Struct { fields, .. } if is_name => {
-                fields.last().map(|last| (last.value.span.end, format!(", {entry}")))
+            Kind::Struct { fields, .. } => {
+                fields.last().zip(nested(rest, value)).map(|(last, entry)| (last.value.span.end, format!(", {entry}")))
             }
-            Kind::Tuple { items, .. } if is_name && items.is_empty() => Some((parent.span.end - 1, entry)),
-            Kind::Scalar(Scalar::Name(_)) if is_name => Some((parent.span.end, format!("({entry})"))),
-            Kind::Map { entries } => Some(match entries.last() {
+            Kind::Tuple { items, .. } if items.is_empty() => {
+                nested(rest, value).map(|entry| (parent.span.end - 1, entry))
+            }
+            Kind::Scalar(Scalar::Name(_)) => nested(rest, value).map(|entry| (parent.span.end, format!("({entry})"))),
+            Kind::Map { entries } if !rest.contains('.') => Some(match entries.last() {
                 None => (parent.span.end - 1, format!("{rest:?}: {value}")),
                 Some(last) if last.is_quoted() => (last.value.span.end, format!(", {rest:?}: {value}")),
-                Some(last) => (last.value.span.end, format!(", {entry}")),
+                Some(last) => (last.value.span.end, format!(", {rest}: {value}")),
             }),
             _ => None,
         };
@@ -127,15 +144,29 @@ impl Document {
         let error = UserError::plain(format!("--set {path}={value}: {place} has no `{missing}`; {contents}"));
         match suggestion(missing, names) {
             Some(help) => error.help(help),
+            None if rest.contains('.') && matches!(parent.kind, Kind::Struct { .. }) => {
+                error.help(format!("give it whole: --set '{}=…'", self.outermost_new(path)))
+            }
             None => error,
         }
     }
 
     /// Bytes of the value at `path` together with its name.
-    pub(super) fn entry_span(&self, path: &str) -> Option<Range<usize>> {
+    fn entry_span(&self, path: &str) -> Option<Range<usize>> {
         let (above, last) = path.rsplit_once('.').unwrap_or(("", path));
         let field = self.node(above)?.field(last);
         let start = |node: &Node| field.map_or(node.span.start, |field| field.key_span.start);
         self.node(path).map(|node| start(node)..node.span.end)
     }
+}
+
+/// The value at the relative path `rest` as `a: (b: value)`; none if a component is not a name of a field.
+fn nested(rest: &str, value: &str) -> Option<String> {
+    let is_name = |name: &str| {
+        name.starts_with(|first: char| first.is_alphabetic() || first == '_')
+            && name.chars().all(|letter| letter.is_alphanumeric() || letter == '_')
+    };
+    let mut names = rest.rsplit('.');
+    let innermost = names.next().filter(|name| is_name(name)).map(|name| format!("{name}: {value}"))?;
+    names.try_fold(innermost, |inner, name| is_name(name).then(|| format!("{name}: ({inner})")))
 }

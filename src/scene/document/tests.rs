@@ -275,6 +275,10 @@ fn overrides_change_only_their_value() {
         ("w.depth", "1", "Bare", "Bare(depth: 1)"),
         ("o", "4", "Some(3)", "4"),
         ("last", "[1]", "Some(3)", "Some(3), last: [1]"),
+        ("part.c.d", "1", "Some(3)", "Some(3), part: (c: (d: 1))"),
+        ("b.0.c.d", "1", "x: 1", "x: 1, c: (d: 1)"),
+        ("m.k.c.d", "1", "()", "(c: (d: 1))"),
+        ("w.c.d", "1", "Bare", "Bare(c: (d: 1))"),
     ] {
         let changed = parse(text).set(path, value).unwrap_or_else(|error| panic!("{}", error.render(false)));
         assert_eq!(&**changed.text(), text.replacen(old, new, 1), "{path}={value}");
@@ -285,17 +289,18 @@ fn overrides_change_only_their_value() {
 
 #[test]
 fn overrides_that_cannot_be_made_say_why() {
-    let document = parse("Scene(fluids: [(density: 1)], outer: (inner: (x: 1)), m: {})");
+    let document = parse("Scene(fluids: [(density: 1)], outer: (inner: (x: 1)), m: {}, slide: {\"mud\": 1})");
     for (pair, expected, help) in [
-        ("flow.x.y=1", "--set flow.x.y=1: the scene has no `flow`; it has `fluids`, `outer`, `m`", None),
         (
-            "outer.iner.x=1",
-            "--set outer.iner.x=1: `outer` has no `iner`; it has `inner`",
-            Some("did you mean `inner`?"),
+            "flow.0.y=1",
+            "--set flow.0.y=1: the scene has no `flow`; it has `fluids`, `outer`, `m`, `slide`",
+            Some("give it whole: --set 'flow=…'"),
         ),
+        ("slide.mid.x=1", "--set slide.mid.x=1: `slide` has no `mid`; it has `mud`", Some("did you mean `mud`?")),
+        ("m.new.x=1", "--set m.new.x=1: `m` has no `new`; it is empty", None),
         ("fluids.3=1", "--set fluids.3=1: `fluids` has no `3`; it has 1 item, 0", None),
         ("fluids.0.density.u=1", "--set fluids.0.density.u=1: `fluids.0.density` has no `u`; it is the number 1", None),
-        ("outer", "--set outer: expected `path=value`", Some("for example --set fluids.0.density=1000")),
+        ("outer", "--set outer: expected `path=value`", Some("for example --set spacing=0.01")),
         ("outer.inner.x=(", "--set outer.inner.x:1:2: expected `,` or the closing `)`", None),
         ("outer.inner.x=", "--set outer.inner.x:1:1: there is no value", None),
         ("outer.inner.x=1, y: 2", "--set outer.inner.x:1:2: something follows the end of the value", None),
@@ -317,6 +322,10 @@ fn errors_in_overridden_text_name_the_override() {
     assert_eq!(error.to_string(), "a.ron:1:24: unknown field `gama`");
     assert_eq!(error.help_line(), Some("did you mean `gamma`? (set by --set w.gama=1)"));
     assert_eq!(document.error(1..2, "elsewhere", "").help_line(), None);
+    let document = document.set("stats.mean", "1").unwrap().set("stats.max", "2").unwrap();
+    let error = document.require_known_fields("", &["a", "w", "state"]).unwrap_err();
+    assert_eq!(error.to_string(), "a.ron:1:34: unknown field `stats`");
+    assert_eq!(error.help_line(), Some("did you mean `state`? (set by --set stats.mean=1)"));
 }
 
 #[derive(Serialize)]
