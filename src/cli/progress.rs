@@ -12,6 +12,9 @@ use crate::clock::Clock;
 /// Pieces that the bar is divided into.
 const PIECES: u64 = 1000;
 
+/// Two lines, each shorter than a terminal of 80 columns whatever the numbers are.
+const TEMPLATE: &str = "{bar:16} {percent:>3} %  {prefix}\n{msg}";
+
 /// How often the bar changes.
 const BAR_INTERVAL: Duration = Duration::from_millis(100);
 
@@ -65,29 +68,38 @@ impl Progress {
             return;
         }
         self.shown = now;
-        let text = self.line(clock, now.duration_since(self.started).as_secs_f64());
+        let elapsed = now.duration_since(self.started).as_secs_f64();
+        let (place, pace, left) = (self.place(clock), self.pace(clock, elapsed), self.left(clock, elapsed));
         match &self.display {
             Display::Hidden => {}
             Display::Bar(bar) => {
                 bar.set_position((clock.time / self.end_time * PIECES as f64) as u64);
-                bar.set_message(text);
+                bar.set_prefix(format!("{place}, {left}"));
+                bar.set_message(pace);
             }
-            Display::Lines => complain(&format!("{text}\n")),
+            Display::Lines => complain(&format!("{place}, {pace}, {left}\n")),
         }
     }
 
-    fn line(&self, clock: &Clock, elapsed: f64) -> String {
-        let left = elapsed * (self.end_time - clock.time) / clock.time;
+    /// How far the run has come.
+    fn place(&self, clock: &Clock) -> String {
+        format!("t {} / {} s", short(clock.time), short(self.end_time))
+    }
+
+    /// How large its steps are and how fast they are done.
+    fn pace(&self, clock: &Clock, elapsed: f64) -> String {
         format!(
-            "t {} / {} s, step {}, Δt {} s ({}), {} M updates/s, {} left",
-            short(clock.time),
-            short(self.end_time),
+            "step {}, Δt {} s ({}), {} M updates/s",
             count(clock.step),
             short(clock.stable_time_step),
             clock.stable_limit,
             short(self.fluid as f64 * clock.step as f64 / elapsed * 1e-6),
-            duration(left),
         )
+    }
+
+    /// How long it will go on.
+    fn left(&self, clock: &Clock, elapsed: f64) -> String {
+        format!("{} left", duration(elapsed * (self.end_time - clock.time) / clock.time))
     }
 
     /// The run has ended.
@@ -99,20 +111,38 @@ impl Progress {
 }
 
 fn bar() -> ProgressBar {
-    let style = ProgressStyle::with_template("{bar:24} {percent:>3} %  {wide_msg}");
+    let style = ProgressStyle::with_template(TEMPLATE);
     ProgressBar::new(PIECES).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::clock::Limit;
 
     #[test]
-    fn a_line_says_where_the_run_stands() {
+    fn the_pieces_say_where_the_run_stands() {
         let mut progress = Progress::new(true);
         progress.start(1000, 2.0);
         let clock = Clock { time: 0.5, step: 2000, stable_time_step: 2.5e-4, ..Clock::default() };
-        let line = progress.line(&clock, 4.0);
-        assert_eq!(line, "t 0.5 / 2 s, step 2 000, Δt 2.5e-4 s (sound), 0.5 M updates/s, 12 s left");
+        assert_eq!(progress.place(&clock), "t 0.5 / 2 s");
+        assert_eq!(progress.pace(&clock, 4.0), "step 2 000, Δt 2.5e-4 s (sound), 0.5 M updates/s");
+        assert_eq!(progress.left(&clock, 4.0), "12 s left");
+    }
+
+    #[test]
+    fn both_lines_fit_80_columns_with_the_longest_numbers() {
+        let mut progress = Progress::new(true);
+        progress.start(50_000_000, 1.2345e-10);
+        let (time, stable_time_step) = (1.2345e-20, 1.2345e-10);
+        let step = 123_456_789_012;
+        let clock = Clock { time, step, stable_time_step, stable_limit: Limit::Acceleration, ..Clock::default() };
+        let head = TEMPLATE.lines().next().unwrap_or_default().replace("{bar:16}", &"█".repeat(16));
+        let place = format!("{}, {}", progress.place(&clock), progress.left(&clock, 1e5));
+        let first = head.replace("{percent:>3}", "100").replace("{prefix}", &place);
+        let second = progress.pace(&clock, 1e25);
+        for line in [first, second] {
+            assert!(line.chars().count() < 80, "{} columns: {line}", line.chars().count());
+        }
     }
 }
