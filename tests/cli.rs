@@ -226,6 +226,22 @@ fn missing_files_and_wrong_options_are_refused() {
 }
 
 #[test]
+fn a_log_replaces_nothing_but_a_log() {
+    let folder = Folder::tank("replaces");
+    let run = |out: &str| folder.run(&["run", "tank.ron", "--until", "0.001", "--quiet", "--out", out]);
+    fs::write(folder.0.join("short"), "x").unwrap();
+    for out in ["tank.ron", "short"] {
+        run(out).is_refused_with(&[&format!("{out} exists and is not a log"), "--out"]);
+    }
+    assert_eq!(fs::read_to_string(folder.0.join("tank.ron")).unwrap(), TANK);
+    fs::write(folder.0.join("new.mcap"), "").unwrap();
+    for _ in 0..2 {
+        let ran = run("new.mcap");
+        assert_eq!(ran.code(), Some(0), "{}", ran.err());
+    }
+}
+
+#[test]
 fn a_diverging_run_ends_with_3_and_a_log_that_reads() {
     let folder = Folder::tank("diverging");
     let sets = ["--set", "fluids.0.velocity=(50.0, 0.0)", "--set", "equation_of_state.max_speed=1"];

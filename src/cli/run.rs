@@ -1,6 +1,7 @@
 //! `storegga run`.
 
-use std::fs;
+use std::fs::{self, File};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -20,6 +21,7 @@ use crate::scene::open_document;
 pub(super) fn run<P: PluginGroup>(args: &RunArgs, plugins: fn() -> P) -> Result<ExitCode, UserError> {
     let document = open_document(&args.scene, &args.overrides.set)?;
     let log = args.out.clone().unwrap_or_else(|| default_log(&args.scene));
+    refuse_to_overwrite(&log)?;
     let stop = exit::stop_on_interrupt();
     let mut app = open(plugins(), document)?;
     make_folder(&log)?;
@@ -66,6 +68,24 @@ fn tell(args: &RunArgs, log: &Path, outcome: &Outcome) {
 fn default_log(scene: &Path) -> PathBuf {
     let name = scene.file_stem().unwrap_or(scene.as_os_str());
     Path::new("runs").join(name).with_added_extension("mcap")
+}
+
+/// How every log begins.
+const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
+
+/// Refuses to write a log in the place of a file with something else in it.
+fn refuse_to_overwrite(log: &Path) -> Result<(), UserError> {
+    // Nothing is lost in an empty file or in what is no plain file; what cannot be read is not written either.
+    if !fs::metadata(log).is_ok_and(|data| data.is_file() && data.len() > 0) {
+        return Ok(());
+    }
+    let mut start = [0; MAGIC.len()];
+    let is_log = File::open(log).and_then(|mut file| file.read_exact(&mut start)).is_ok() && start == MAGIC;
+    if is_log {
+        return Ok(());
+    }
+    let message = format!("{} exists and is not a log: it would be lost", log.display());
+    Err(UserError::plain(message).help("choose another file with --out"))
 }
 
 fn make_folder(log: &Path) -> Result<(), UserError> {
