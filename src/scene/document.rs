@@ -4,6 +4,7 @@
 //! their path and turns every later complaint, whether of the reader of a type or of a physical check, into a
 //! [`UserError`] that shows the place.
 
+mod depth;
 mod edit;
 mod explain;
 mod leaves;
@@ -70,6 +71,10 @@ impl Document {
     /// Reads a text that is one value of any kind.
     pub(super) fn parse_value(file: &str, text: &str) -> Result<Self, UserError> {
         let text: Arc<str> = text.into();
+        if let Some(span) = depth::too_deep(&text) {
+            let message = format!("more than {} brackets stand in one another here", depth::MOST_LEVELS);
+            return Err(UserError::plain(message).at(file, text, span, "one level too many"));
+        }
         let root = tree::parse(&text).map_err(|error| {
             UserError::plain(error.message).at(file, Arc::clone(&text), error.span, "the text cannot be read from here")
         })?;

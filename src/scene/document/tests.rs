@@ -121,6 +121,17 @@ fn syntax_errors_have_their_place() {
 }
 
 #[test]
+fn what_is_nested_too_deeply_is_refused_and_anything_less_is_read() {
+    let nested = |levels: usize| format!("(a:\n {}{})", "Union([".repeat(levels), "])".repeat(levels));
+    parse(&nested(15));
+    let expected = "a.ron:2:113: more than 32 brackets stand in one another here";
+    assert_eq!(refused(&nested(16)), expected);
+    assert_eq!(refused(&nested(70)), expected);
+    let error = parse("(a: 1)").set("a", &"[".repeat(40)).unwrap_err();
+    assert_eq!(error.to_string(), "--set a:1:33: more than 32 brackets stand in one another here");
+}
+
+#[test]
 fn numbers_must_be_finite_and_names_unique() {
     for number in ["inf", "-inf", "NaN", "1e999", "-1e999", "inff64", "1e9_99", "+inf", "3e"] {
         assert_eq!(refused(&format!("(é: 1,\n x: [0, {number}])")), "a.ron:2:9: must be a finite number", "{number}");

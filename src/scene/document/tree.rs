@@ -213,7 +213,6 @@ fn words(kind: &ErrorKind) -> String {
         ErrorKind::Eof => "the text ends where a value is expected",
         ErrorKind::ExpectedStringEnd => "this text in quotes is never closed",
         ErrorKind::TrailingCharacters => "something follows the end of the value",
-        ErrorKind::ExceededRecursionLimit => "values are nested too deeply",
         ErrorKind::UnexpectedChar('-' | '+') => "a sign must be followed by a digit, as in -0.5",
         ErrorKind::UnexpectedChar(found) => return format!("unexpected character `{found}`"),
         ErrorKind::Expected { expected, .. } => match &**expected {
