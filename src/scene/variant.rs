@@ -43,6 +43,7 @@ pub fn open_document(path: &Path, overrides: &[String]) -> Result<Document, User
 /// The scene that a variant describes.
 fn compose(variant: Document, path: &Path) -> Result<Document, UserError> {
     variant.require_known_fields("", &FIELDS)?;
+    check_sets(&variant)?;
     let of: String = variant.read("of")?;
     let base = clean(&path.parent().unwrap_or(Path::new("")).join(&of));
     let at_of = |message: &str| variant.error(span_of(&variant, "of"), message, "the scene that this is a variant of");
@@ -63,6 +64,16 @@ fn compose(variant: Document, path: &Path) -> Result<Document, UserError> {
         document = document.replace(REPLACED, text)?;
     }
     Ok(document.with_variant(variant))
+}
+
+/// Refuses a `set` that is no table.
+fn check_sets(variant: &Document) -> Result<(), UserError> {
+    let Some(node) = variant.node("set") else { return Ok(()) };
+    if matches!(node.unwrapped().kind, Kind::Map { .. }) {
+        return Ok(());
+    }
+    let message = format!("expected a table `{{\"path\": value}}`, found {}", node.describe(variant.text()));
+    Err(variant.error(node.span.clone(), message, "expected a table"))
 }
 
 /// An override in a variant, and where it stands there.
@@ -94,7 +105,17 @@ fn read_text(path: &Path) -> Result<String, UserError> {
             None => shown,
         }
     })?;
-    String::from_utf8(bytes).map_err(|_| UserError::plain(format!("{} is not a text in UTF-8", path.display())))
+    decode(bytes)
+        .map_err(|what| UserError::plain(format!("{} is {what}", path.display())).help("save it as a text in UTF-8"))
+}
+
+/// The text of a file, without the mark that some editors put before it; or what it is instead of a text in UTF-8.
+fn decode(bytes: Vec<u8>) -> Result<String, &'static str> {
+    if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
+        return Err("a text in UTF-16");
+    }
+    let text = String::from_utf8(bytes).map_err(|_| "not a text in UTF-8")?;
+    Ok(text.trim_start_matches('\u{feff}').to_owned())
 }
 
 /// The file in the same folder whose name is nearest to that of a missing one.
@@ -192,10 +213,22 @@ mod tests {
         for (name, variant, expected) in [
             ("base", "Variant(of: \"../tnak.ron\")", "did you mean"),
             ("path", "Variant(of: \"../tank.ron\", set: {\"expect.7\": \"1\"})", "ci/tank.ron:1:46"),
+            ("list", "Variant(of: \"../tank.ron\", set: [1])", "expected a table `{\"path\": value}`, found a list"),
+            ("struct", "Variant(of: \"../tank.ron\", set: (spacing: 1))", "ci/tank.ron:1:33"),
+            ("of", "Variant(of: 1)", "expected a text in quotes"),
             ("field", "Variant(of: \"../tank.ron\", sets: {})", "`sets`"),
         ] {
             let error = Folder::new(name, variant).open(&[]).unwrap_err();
             assert!(error.render(false).contains(expected), "{}", error.render(false));
         }
+    }
+
+    #[test]
+    fn marks_of_editors_are_passed_over_and_other_encodings_named() {
+        let with_mark = Folder::new("mark", "\u{feff}Variant(of: \"../tank.ron\")");
+        assert_eq!(with_mark.open(&[]).unwrap().read::<f64>("spacing"), Ok(0.1));
+        let scene: Vec<u8> = "\u{feff}Scene()".encode_utf16().flat_map(u16::to_le_bytes).collect();
+        assert_eq!(decode(scene), Err("a text in UTF-16"));
+        assert_eq!(decode(vec![b'S', 0xff]), Err("not a text in UTF-8"));
     }
 }
