@@ -53,7 +53,8 @@ pub struct Named<'a> {
 }
 
 impl Document {
-    /// Reads the text of the scene called `file`: `Scene(…)` or `(…)`, with finite numbers and no name given twice.
+    /// Reads the text of the scene called `file`: `Scene(…)` or `(…)`, with finite numbers, no name given twice, and
+    /// names in tables that can be part of a path.
     pub fn parse(file: &str, text: &str) -> Result<Self, UserError> {
         let document = Self::parse_value(file, text)?;
         let root = &document.root;
@@ -65,6 +66,7 @@ impl Document {
         if !is_struct || root.name().is_some_and(|name| name != "Scene") {
             return Err(document.complain(mismatch(text, root, "a scene `Scene(…)`")));
         }
+        document.check_names(root)?;
         Ok(document)
     }
 
@@ -98,6 +100,21 @@ impl Document {
             }
         }
         node.children().try_for_each(|child| self.check(child))
+    }
+
+    /// Refuses names in quotes, anywhere inside `node`, that could not be part of a path.
+    fn check_names(&self, node: &Node) -> Result<(), UserError> {
+        if let Kind::Map { entries } = &node.kind {
+            for entry in entries.iter().filter(|entry| entry.is_quoted()) {
+                let problem = match entry.key.trim() {
+                    "" => "a name may not be empty",
+                    key if key.contains('.') => "a name may not contain a dot",
+                    _ => continue,
+                };
+                return Err(self.error(entry.key_span.clone(), problem, "expected another name"));
+            }
+        }
+        node.children().try_for_each(|child| self.check_names(child))
     }
 
     /// The name of the file, as the user wrote it.

@@ -27,6 +27,7 @@ impl Document {
     pub fn set(&self, path: &str, value: &str) -> Result<Self, UserError> {
         let value = self.with_quotes(path, value.trim());
         let parsed = Self::parse_value(&format!("--set {path}"), &value)?;
+        parsed.check_names(&parsed.root)?;
         // Only the value itself: a comment behind it would swallow what follows in the scene.
         let value = value.get(parsed.root.span.clone()).unwrap_or_default().to_owned();
         let (span, new) = match self.node(path) {

@@ -139,6 +139,10 @@ fn numbers_must_be_finite_and_names_unique() {
     parse("(a: 1e308, b: 0x1F, c: 1_000.5, d: -0.5, e: 1E-3, f: 3f64, g: +1e+3)");
     assert_eq!(refused("(a: 1, b: (c: 1, ø: 2, c: 3))"), "a.ron:1:24: `c` is given twice");
     assert_eq!(refused("(m: {\"k\": 1,\n  \"k\": 2})"), "a.ron:2:3: `k` is given twice");
+    assert_eq!(refused("(a: [{\"\": 1}])"), "a.ron:1:7: a name may not be empty");
+    assert_eq!(refused("(m: {\"k\": {\"a.b\": 1}})"), "a.ron:1:12: a name may not contain a dot");
+    let set = parse("(m: {})").set("m", "{\"x.\": 1}").unwrap_err().to_string();
+    assert_eq!(set, "--set m:1:2: a name may not contain a dot");
 }
 
 #[test]
