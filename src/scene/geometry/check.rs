@@ -54,16 +54,14 @@ fn belongs_to(own: usize, scene: usize, name: &str, instead: &str) -> Result<(),
     Err(Invalid::new("", format!("{name} is a {own}D shape, but the scene is {scene}D; expected {instead}")))
 }
 
+/// Refuses coordinates, of a place or of any other vector, that are not as many as the scene has dimensions.
 pub(crate) fn coordinates(point: Point, dimension: usize) -> Result<(), Invalid> {
-    let expected = if dimension == 2 { "(x, y)" } else { "(x, y, z)" };
+    let expected = if dimension == 2 { "2 numbers (x, y)" } else { "3 numbers (x, y, z)" };
     if point.dimension() != dimension {
-        return Err(Invalid::new(
-            "",
-            format!("found {} coordinates, expected {expected} in metres", point.dimension()),
-        ));
+        return Err(Invalid::new("", format!("found {} numbers, expected {expected}", point.dimension())));
     }
     if !point.position().is_finite() {
-        return Err(Invalid::new("", format!("found {}, expected finite {expected} in metres", point.position())));
+        return Err(Invalid::new("", format!("found {}, expected {expected} that are finite", point.position())));
     }
     Ok(())
 }
@@ -176,6 +174,12 @@ mod tests {
         ] {
             assert_eq!(path(text, 2).as_deref(), Ok(expected), "{text}");
         }
+    }
+
+    #[test]
+    fn vectors_of_any_unit_are_counted_in_the_same_words() {
+        let found = coordinates(Point::plane(0.0, -9.81), 3).map_err(|found| found.message);
+        assert_eq!(found, Err("found 2 numbers, expected 3 numbers (x, y, z)".to_owned()));
     }
 
     #[test]
