@@ -98,6 +98,19 @@ impl Ran {
     }
 }
 
+/// The tank with an expectation that is met.
+fn expecting_mass() -> String {
+    let expect = "    expect: [(name: \"mass\", of: \"energy.mass\", is: Between(1.0, 25.0))],\n)\n";
+    TANK.replace("\n)\n", &format!("\n{expect}"))
+}
+
+/// Sends a signal to a running program.
+#[cfg(unix)]
+fn interrupt(child: &Child, signal: &str) {
+    let sent = Command::new("kill").args([&format!("-{signal}"), &child.id().to_string()]).status().unwrap();
+    assert!(sent.success());
+}
+
 /// Number of messages of a topic in a log, whole or torn.
 fn messages(log: &Path, topic: &str) -> usize {
     let bytes = fs::read(log).unwrap();
@@ -294,6 +307,36 @@ fn scenes_are_listed_a_line_each() {
 }
 
 #[test]
+fn a_scene_that_is_wrong_does_not_hide_the_others() {
+    let folder = Folder::new("others", &expecting_mass());
+    fs::write(folder.0.join("a.ron"), TANK.replace("spacing", "spacng")).unwrap();
+    for arguments in [&["scenes", "--scenes", "."][..], &["test", "--scenes", "."], &["test", "a.ron", "tank.ron"]] {
+        let ran = folder.run(arguments);
+        assert_eq!(ran.code(), Some(2), "{}", ran.err());
+        assert!(ran.err().contains("did you mean `spacing`?"), "{}", ran.err());
+        assert!(ran.out().contains("tank.ron"), "{}", ran.out());
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_test_tells_what_was_done() {
+    use std::io::{BufRead, BufReader};
+
+    let folder = Folder::new("told", &expecting_mass());
+    fs::write(folder.0.join("long.ron"), expecting_mass().replace("end_time: 0.05", "end_time: 10000.0")).unwrap();
+    let mut command = folder.command(&["test", "tank.ron", "long.ron"]);
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let told = BufReader::new(child.stderr.take().unwrap()).lines().map_while(Result::ok);
+    let mut told = told.skip_while(|line| !line.contains("long.ron"));
+    assert!(told.next().is_some(), "the second scene was never begun");
+    interrupt(&child, "INT");
+    let ran = Ran(child.wait_with_output().unwrap());
+    assert_eq!(ran.code(), Some(130));
+    assert!(ran.out().contains("tank.ron  mass") && !ran.out().contains("long.ron"), "{}", ran.out());
+}
+
+#[test]
 fn a_killed_run_leaves_a_log_that_reads() {
     let folder = Folder::tank("killed");
     let mut child = folder.start_long_run();
@@ -316,8 +359,7 @@ fn a_full_disk_ends_the_run_with_a_message() {
 fn an_interrupted_run_ends_with_130_and_a_finished_log() {
     let folder = Folder::tank("interrupted");
     let mut child = folder.start_long_run();
-    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
-    assert!(sent.success());
+    interrupt(&child, "INT");
     assert_eq!(child.wait().unwrap().code(), Some(130));
     assert!(is_finished(&folder.log()));
 }

@@ -11,7 +11,7 @@ use crate::error::UserError;
 /// An expectation failed.
 pub(super) const FAILED: u8 = 1;
 /// The user's input is wrong.
-const WRONG_INPUT: u8 = 2;
+pub(super) const WRONG_INPUT: u8 = 2;
 /// The run diverged.
 pub(super) const DIVERGED: u8 = 3;
 /// A bug, of the program or of a plugin.

@@ -33,7 +33,7 @@ pub fn main<P: PluginGroup>(plugins: fn() -> P) -> ExitCode {
         Command::Run(args) => run::run(&args, plugins),
         Command::Check(args) => check::check(&args, plugins),
         Command::Test(args) => test::test(&args, plugins),
-        Command::Scenes(args) => scenes::list(&args),
+        Command::Scenes(args) => scenes::list(&args, plugins),
     };
     done.unwrap_or_else(|error| exit::report(&error))
 }

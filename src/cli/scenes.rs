@@ -4,27 +4,37 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use bevy_app::{App, PluginGroup};
+
 use super::args::ScenesArgs;
-use super::exit::say;
+use super::exit::{self, say};
 use super::number::short;
 use super::table::Table;
 use crate::error::UserError;
-use crate::scene::open_document;
+use crate::scene::{open_document, read_header};
 
-/// Lists the scenes of a folder, a line each.
-pub(super) fn list(args: &ScenesArgs) -> Result<ExitCode, UserError> {
+/// Lists the scenes of a folder, a line each; one that cannot be read is complained about, and the others are listed.
+pub(super) fn list<P: PluginGroup>(args: &ScenesArgs, plugins: fn() -> P) -> Result<ExitCode, UserError> {
+    let mut app = App::new();
+    app.add_plugins(plugins());
+    app.finish();
     let mut table = Table::new(["scene", "title", "dimension", "spacing"]);
+    let mut code = ExitCode::SUCCESS;
     for file in scene_files(&args.folder)? {
-        let scene = open_document(&file, &[])?;
-        table.push([
-            file.display().to_string(),
-            scene.read("title").unwrap_or_default(),
-            format!("{}D", scene.read::<usize>("dimension")?),
-            format!("{} m", short(scene.read("spacing")?)),
-        ]);
+        match open_document(&file, &[]).and_then(|scene| read_header(app.world(), &scene)) {
+            Ok(head) => table.push([
+                file.display().to_string(),
+                head.title,
+                format!("{}D", head.dimension),
+                format!("{} m", short(head.spacing)),
+            ]),
+            Err(error) => code = exit::report(&error),
+        }
     }
-    say(&table.render());
-    Ok(ExitCode::SUCCESS)
+    if !table.is_empty() {
+        say(&table.render());
+    }
+    Ok(code)
 }
 
 /// The scene files in a folder, by name.

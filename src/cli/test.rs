@@ -17,25 +17,39 @@ use crate::error::UserError;
 use crate::expect::has_expectations;
 use crate::scene::open_document;
 
-/// Runs scenes and compares them with their expectations.
+/// Runs scenes and compares them with their expectations. A scene that is wrong is complained about, and the others run.
 pub(super) fn test<P: PluginGroup>(args: &TestArgs, plugins: fn() -> P) -> Result<ExitCode, UserError> {
     let stop = exit::stop_on_interrupt();
     let scenes = if args.scenes.is_empty() { scene_files(&args.folder.folder)? } else { args.scenes.clone() };
     let mut table = Table::new(["scene", "check", "value", "expected", "tolerance", ""]);
-    let mut all_pass = true;
+    let (mut all_pass, mut all_right) = (true, true);
     for scene in &scenes {
-        let Some(outcome) = run_one(args, scene, plugins, &stop)? else { continue };
-        if outcome.end == End::Interrupted {
-            return Ok(ExitCode::from(exit::INTERRUPTED));
+        match run_one(args, scene, plugins, &stop) {
+            Ok(None) => {}
+            Ok(Some(outcome)) if outcome.end == End::Interrupted => break,
+            Ok(Some(outcome)) => {
+                all_pass &= outcome.end == End::Done && outcome.passes();
+                add_rows(&mut table, scene, &outcome);
+            }
+            Err(error) => {
+                all_right = false;
+                exit::report(&error);
+            }
         }
-        all_pass &= outcome.end == End::Done && outcome.passes();
-        add_rows(&mut table, scene, &outcome);
     }
-    if table.is_empty() {
-        return Err(UserError::plain("no scene has expectations").help("they stand in its section `expect`"));
+    let code = match (stop.is_set(), all_right, all_pass) {
+        (true, ..) => exit::INTERRUPTED,
+        (_, false, _) => exit::WRONG_INPUT,
+        (_, _, false) => exit::FAILED,
+        _ if table.is_empty() => {
+            return Err(UserError::plain("no scene has expectations").help("they stand in its section `expect`"));
+        }
+        _ => 0,
+    };
+    if !table.is_empty() {
+        say(&table.render());
     }
-    say(&table.render());
-    Ok(ExitCode::from(if all_pass { 0 } else { exit::FAILED }))
+    Ok(ExitCode::from(code))
 }
 
 /// Runs a scene; `None` if nothing is expected of it.

@@ -79,8 +79,9 @@ impl Header {
     pub const FIELDS: [&str; 8] =
         ["title", "dimension", "spacing", "smoothing_ratio", "gravity", "end_time", "periodic", "kernel"];
 
-    fn read(document: &Document) -> Result<Self, UserError> {
-        Ok(Self {
+    /// Reads and checks the head of a scene.
+    pub(super) fn read(document: &Document) -> Result<Self, UserError> {
+        let header = Self {
             title: optional(document, "title", String::new())?,
             dimension: required(document, "dimension")?,
             spacing: required(document, "spacing")?,
@@ -88,7 +89,9 @@ impl Header {
             gravity: required(document, "gravity")?,
             end_time: required(document, "end_time")?,
             periodic: optional(document, "periodic", Periodic::default())?,
-        })
+        };
+        header.check().map_err(|invalid| document.invalid(&invalid))?;
+        Ok(header)
     }
 
     fn check(&self) -> Result<(), Invalid> {
@@ -137,10 +140,8 @@ fn optional<T: DeserializeOwned>(document: &Document, field: &str, default: T) -
 /// The kernel that a scene takes if it names none.
 const DEFAULT_KERNEL: &str = "QuinticSpline";
 
-/// Reads the head of a scene into resources.
-pub(super) fn load_header(document: &Document, world: &mut World) -> Result<(), UserError> {
-    let header = Header::read(document)?;
-    header.check().map_err(|invalid| document.invalid(&invalid))?;
+/// Puts the head of a scene into resources.
+pub(super) fn load_header(document: &Document, header: Header, world: &mut World) -> Result<(), UserError> {
     world.get_resource_or_init::<SceneFacts>().note(document, "", &header);
     let resolution = Resolution {
         dimension: header.dimension,

@@ -24,16 +24,26 @@ impl<'de> Deserialize<'de> for Deferred {
     }
 }
 
+/// Reads the head of a scene, as strictly as [`load_scene`] does; the sections that `world` knows are not looked into.
+///
+/// # Errors
+/// What the user got wrong there, with its place.
+pub fn read_header(world: &World, document: &Document) -> Result<Header, UserError> {
+    let sections = world.resource::<SectionRegistry>().names();
+    let known: Vec<&str> = Header::FIELDS.iter().copied().chain(sections).collect();
+    document.require_known_fields("", &known)?;
+    Header::read(document)
+}
+
 /// Reads every section of a scene into `world` and puts the stages of its dimension into the step schedule.
 ///
 /// # Errors
 /// What the user got wrong, with its place.
 pub fn load_scene(world: &mut World, document: Document) -> Result<(), UserError> {
-    let registry = world.resource::<SectionRegistry>().clone();
-    let known: Vec<&str> = Header::FIELDS.iter().copied().chain(registry.names()).collect();
-    document.require_known_fields("", &known)?;
+    let header = read_header(world, &document)?;
     world.insert_resource(SceneDocument(document.clone()));
-    load_header(&document, world)?;
+    load_header(&document, header, world)?;
+    let registry = world.resource::<SectionRegistry>().clone();
     registry.load_all(&document, world)?;
     if let Err(unregistered) = ParticleColumns::check(world) {
         return Err(UserError::plain(format!(
