@@ -357,9 +357,11 @@ fn a_full_disk_ends_the_run_with_a_message() {
 #[cfg(unix)]
 #[test]
 fn an_interrupted_run_ends_with_130_and_a_finished_log() {
-    let folder = Folder::tank("interrupted");
-    let mut child = folder.start_long_run();
-    interrupt(&child, "INT");
-    assert_eq!(child.wait().unwrap().code(), Some(130));
-    assert!(is_finished(&folder.log()));
+    for signal in ["INT", "TERM"] {
+        let folder = Folder::tank(&format!("interrupted-{signal}"));
+        let mut child = folder.start_long_run();
+        interrupt(&child, signal);
+        assert_eq!(child.wait().unwrap().code(), Some(130), "{signal}");
+        assert!(is_finished(&folder.log()), "{signal}");
+    }
 }

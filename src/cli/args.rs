@@ -15,7 +15,7 @@ Examples:
   storegga check scenes/two_phase_tank.ron --set spacing=0.002
   storegga test
 
-Exit codes: 0 done, 1 an expectation failed, 2 wrong input, 3 the run diverged, 130 interrupted (Ctrl-C)."
+Exit codes: 0 done, 1 an expectation failed, 2 wrong input, 3 the run diverged, 130 interrupted (Ctrl-C, SIGTERM)."
 )]
 pub(super) struct Arguments {
     #[command(subcommand)]

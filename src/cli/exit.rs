@@ -2,7 +2,6 @@
 
 use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::{env, panic};
 
 use crate::app::StopFlag;
@@ -16,7 +15,7 @@ pub(super) const WRONG_INPUT: u8 = 2;
 pub(super) const DIVERGED: u8 = 3;
 /// A bug, of the program or of a plugin.
 pub(super) const BUG: u8 = 101;
-/// Ctrl-C.
+/// Ctrl-C or SIGTERM.
 pub(super) const INTERRUPTED: u8 = 130;
 
 /// Where bugs are reported.
@@ -59,20 +58,39 @@ pub(super) fn explain_panics() {
     }));
 }
 
-/// A flag that the first Ctrl-C sets; the second ends the program on the spot.
+/// A flag that the first Ctrl-C or SIGTERM sets; the second ends the program on the spot. SIGHUP is left alone, so that
+/// `nohup` works.
 pub(super) fn stop_on_interrupt() -> StopFlag {
     let stop = StopFlag::default();
-    let handler = stop.clone();
-    let was_asked = AtomicBool::new(false);
-    let set = ctrlc::set_handler(move || {
-        if was_asked.swap(true, Ordering::Relaxed) {
-            std::process::exit(i32::from(INTERRUPTED));
-        }
-        handler.stop();
-        complain("\nstopping after this step and closing the log; press Ctrl-C again to stop at once\n");
-    });
-    if set.is_err() {
-        complain("Warning: Ctrl-C will end the program at once: its handler cannot be installed\n");
+    let flag = stop.clone();
+    let is_set = ctrlc::set_handler(move || interrupt(&flag)).is_ok() && stop_on_termination(stop.clone());
+    if !is_set {
+        complain("Warning: Ctrl-C or SIGTERM will end the program at once: its handler cannot be installed\n");
     }
     stop
+}
+
+fn interrupt(stop: &StopFlag) {
+    if stop.is_set() {
+        std::process::exit(i32::from(INTERRUPTED));
+    }
+    stop.stop();
+    complain("\nstopping after this step and closing the log; press Ctrl-C again to stop at once\n");
+}
+
+/// Whether SIGTERM, with which batch systems end a run, is now heard.
+#[cfg(unix)]
+fn stop_on_termination(stop: StopFlag) -> bool {
+    use signal_hook::consts::SIGTERM;
+    use signal_hook::iterator::Signals;
+
+    let Ok(mut signals) = Signals::new([SIGTERM]) else { return false };
+    std::thread::spawn(move || signals.forever().for_each(|_| interrupt(&stop)));
+    true
+}
+
+/// There is no such signal.
+#[cfg(not(unix))]
+fn stop_on_termination(_: StopFlag) -> bool {
+    true
 }
