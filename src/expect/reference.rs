@@ -88,7 +88,9 @@ impl Reference {
             Self::Csv { file, time, value } => {
                 let scene = Path::new(&world.resource::<SceneInfo>().file).to_owned();
                 let path = scene.parent().unwrap_or(Path::new("")).join(file);
-                return CsvTable::read(&path, time, value).map(|table| Target::Table(table, file.clone()));
+                let table = CsvTable::read(&path, time, value)?;
+                table.check_times(world.resource::<SceneInfo>().end_time)?;
+                return Ok(Target::Table(table, file.clone()));
             }
         };
         number.map(Target::Number)

@@ -7,7 +7,7 @@ use super::check::{Expectations, Resolved, Tolerance};
 use super::reference::{Reference, Target};
 use super::take::Take;
 use crate::probes::Series;
-use crate::scene::{Invalid, SceneSection, SectionError, unknown};
+use crate::scene::{Invalid, SceneInfo, SceneSection, SectionError, unknown};
 
 /// Section `expect`: what should come out.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -93,14 +93,24 @@ impl Expectation {
     /// Finds the series and works out what it should be.
     fn resolve(self, world: &mut World) -> Result<Resolved, Invalid> {
         let (series, field) = find(world, &self.of)?;
+        let take = self.take.unwrap_or_default();
+        let end_time = world.resource::<SceneInfo>().end_time;
+        take.check_times(end_time).map_err(|invalid| invalid.under("take"))?;
         let target = self.is.resolve(world).map_err(|invalid| invalid.under("is"))?;
+        if let (Target::Table(table, _), Some(Within::Relative(_))) = (&target, self.within)
+            && table.is_zero()
+        {
+            return Err(Invalid::new(
+                "within",
+                "every value of the file is 0, and a fraction of 0 is 0: use `Absolute`",
+            ));
+        }
         let tolerance = match (&target, self.within) {
             (Target::Number(number), Some(Within::Relative(r))) => Tolerance::Relative(r, r * number.abs()),
             (_, Some(Within::Relative(r))) => Tolerance::Relative(r, r),
             (_, Some(Within::Absolute(a))) => Tolerance::Absolute(a),
             (_, None) => Tolerance::Range,
         };
-        let take = self.take.unwrap_or_default();
         Ok(Resolved { name: self.name, series, field, take, target, tolerance })
     }
 }
@@ -145,9 +155,24 @@ mod tests {
             ("is: Number(1), within: Absolute(1), take: Mean(from: 2, to: 1)", "after `from`"),
             ("is: Csv(file: \"a\", time: \"t\", value: \"v\"), within: Relative(1), take: Max", "leave `take` out"),
             ("is: Csv(file: \"a\", time: \"t\", value: \"v\"), within: Relative(1)", "cannot be read"),
+            ("is: Number(1), within: Absolute(1), take: At(1.1)", "1.1 s lies outside the run"),
         ] {
             let refusal = refusal(&format!("of: \"floor.force_y\", {rest}"));
             assert!(refusal.contains(word), "{rest}: {refusal}");
         }
+    }
+
+    #[test]
+    fn files_that_a_run_cannot_be_compared_with_are_refused() {
+        let path = std::env::temp_dir().join(format!("storegga-zeros-{}.csv", std::process::id()));
+        assert!(std::fs::write(&path, "t,zero,y\n0,0,1\n0.5,0,1\n1.5,0,1\n").is_ok());
+        let is =
+            |value: &str| format!("of: \"floor.volume\", is: Csv(file: {path:?}, time: \"t\", value: \"{value}\")");
+        let late = refusal(&format!("{}, within: Absolute(1)", is("y")));
+        assert!(late.contains("1.5 s lies outside the run"), "{late}");
+        assert!(std::fs::write(&path, "t,zero\n0,0\n0.5,0\n").is_ok());
+        let zeros = refusal(&format!("{}, within: Relative(1)", is("zero")));
+        assert!(zeros.contains("use `Absolute`"), "{zeros}");
+        assert_eq!(refusal(&format!("{}, within: Absolute(1)", is("zero"))), "");
     }
 }

@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use super::take::Sample;
+use csv::StringRecord;
+
+use super::take::{Sample, at, in_run};
 use crate::scene::Invalid;
 
 /// Columns of a CSV file with a line of names; lines that begin with `#` are skipped.
@@ -16,30 +18,45 @@ impl CsvTable {
     /// Reads the columns `time` and `value` of the file at `path`.
     ///
     /// # Errors
-    /// A file or a column that is missing, or the first row that is not one of finite numbers.
+    /// A file or a column that is missing, or the first row that is not one of finite numbers at a later time.
     pub(super) fn read(path: &Path, time: &str, value: &str) -> Result<Self, Invalid> {
-        let shown = path.display();
-        let unreadable = |error: csv::Error| Invalid::new("file", format!("{shown} cannot be read: {error}"));
+        let refused = |error: csv::Error| unreadable(path, &error);
         let mut reader =
-            csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_path(path).map_err(unreadable)?;
-        let names: Vec<String> = reader.headers().map_err(unreadable)?.iter().map(str::to_owned).collect();
-        let (time, value) = (column(&names, "time", time)?, column(&names, "value", value)?);
-        let mut rows = Vec::new();
+            csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_path(path).map_err(refused)?;
+        let names: Vec<String> = reader.headers().map_err(refused)?.iter().map(str::to_owned).collect();
+        if let [only] = names.as_slice()
+            && only.contains(';')
+        {
+            return Err(Invalid::new("file", format!("{}: put `,` between the columns, not `;`", path.display())));
+        }
+        let columns = (column(&names, "time", time)?, column(&names, "value", value)?);
+        let mut rows: Vec<Sample> = Vec::new();
         for record in reader.records() {
-            let record = record.map_err(unreadable)?;
-            let line = record.position().map_or(0, csv::Position::line);
-            let number = |column: usize| {
-                let text = record.get(column).unwrap_or_default();
-                text.parse().ok().filter(|number: &f64| number.is_finite()).ok_or_else(|| {
-                    Invalid::new("file", format!("{shown}, line {line}: `{text}` in `{}` is no number", names[column]))
-                })
-            };
-            rows.push((number(time)?, number(value)?));
+            let record = record.map_err(refused)?;
+            let (t, y) = (number(path, &names, &record, columns.0)?, number(path, &names, &record, columns.1)?);
+            if let Some((before, _)) = rows.last().filter(|(before, _)| *before >= t) {
+                return Err(wrong_row(
+                    path,
+                    &record,
+                    &format!("the time {t} s must lie after {before} s, that before it"),
+                ));
+            }
+            rows.push((t, y));
         }
         if rows.is_empty() {
-            return Err(Invalid::new("file", format!("{shown} has no rows")));
+            return Err(Invalid::new("file", format!("{} has no rows", path.display())));
         }
         Ok(Self { rows })
+    }
+
+    /// Refuses rows at times at which a run from 0 to `end_time` (s) measures nothing.
+    pub(super) fn check_times(&self, end_time: f64) -> Result<(), Invalid> {
+        self.rows.iter().try_for_each(|(t, _)| in_run("file", *t, end_time))
+    }
+
+    /// Whether all values are 0.
+    pub(super) fn is_zero(&self) -> bool {
+        self.rows.iter().all(|(_, value)| *value == 0.0)
     }
 
     /// Number of rows.
@@ -52,12 +69,38 @@ impl CsvTable {
     pub(super) fn compare(&self, samples: &[Sample]) -> Result<(f64, f64), String> {
         let (mut error, mut norm) = (0.0, 0.0);
         for &(t, y) in &self.rows {
-            error += (y - super::take::at(samples, t)?).powi(2);
+            error += (y - at(samples, t)?).powi(2);
             norm += y * y;
         }
         let n = self.rows.len() as f64;
         Ok(((error / n).sqrt(), (norm / n).sqrt()))
     }
+}
+
+/// The complaint about a file that the reader of CSV does not understand.
+fn unreadable(path: &Path, error: &csv::Error) -> Invalid {
+    let shown = path.display();
+    let message = match error.kind() {
+        csv::ErrorKind::UnequalLengths { pos, expected_len, len } => {
+            let line = pos.as_ref().map_or(0, csv::Position::line);
+            format!("{shown}, line {line}: found {len} columns, expected the {expected_len} of the line of names")
+        }
+        _ => format!("{shown} cannot be read: {error}"),
+    };
+    Invalid::new("file", message)
+}
+
+/// The complaint about one row.
+fn wrong_row(path: &Path, record: &StringRecord, message: &str) -> Invalid {
+    let line = record.position().map_or(0, csv::Position::line);
+    Invalid::new("file", format!("{}, line {line}: {message}", path.display()))
+}
+
+/// The finite number of a row in a column.
+fn number(path: &Path, names: &[String], record: &StringRecord, column: usize) -> Result<f64, Invalid> {
+    let text = record.get(column).unwrap_or_default();
+    let number = text.parse().ok().filter(|number: &f64| number.is_finite());
+    number.ok_or_else(|| wrong_row(path, record, &format!("`{text}` in `{}` is no number", names[column])))
 }
 
 /// Index of the column that the field `field` calls `name`.
@@ -97,7 +140,10 @@ mod tests {
             CsvTable::read(&file(name, text), "t", value).err().map(|invalid| invalid.message).unwrap_or_default()
         };
         assert!(complaint("word.csv", "t,y\n# note\n0,1\n1,two\n", "y").contains("line 4: `two` in `y`"));
-        assert!(complaint("short.csv", "t,y\n0\n", "y").contains("cannot be read"));
+        assert!(complaint("short.csv", "t,y\n0,1\n1\n", "y").contains("line 3: found 1 columns, expected the 2"));
+        assert!(complaint("german.csv", "t;y\n0;1\n", "y").contains("put `,` between the columns"));
+        assert!(complaint("back.csv", "t,y\n0,1\n2,1\n1,1\n", "y").contains("line 4: the time 1 s must lie after 2 s"));
+        assert!(complaint("twice.csv", "t,y\n0,1\n0,1\n", "y").contains("line 3"));
         assert!(complaint("empty.csv", "t,y\n", "y").contains("no rows"));
         assert!(complaint("names.csv", "t,height\n0,1\n", "heigth").contains("did you mean `height`?"));
         let missing = CsvTable::read(Path::new("/nowhere/x.csv"), "t", "y");

@@ -57,6 +57,18 @@ impl Take {
         }
     }
 
+    /// Refuses times at which a run from 0 to `end_time` (s) measures nothing.
+    pub(super) fn check_times(&self, end_time: f64) -> Result<(), Invalid> {
+        match *self {
+            Self::At(t) => in_run("", t, end_time),
+            Self::Mean { from, to } | Self::MaxIn { from, to } | Self::Change { from, to } => {
+                in_run("from", from, end_time)?;
+                in_run("to", to, end_time)
+            }
+            Self::Last | Self::Max | Self::Min => Ok(()),
+        }
+    }
+
     /// The value, or why there is none.
     pub(super) fn of(&self, samples: &[Sample]) -> Result<f64, String> {
         let values = || samples.iter().map(|(_, value)| *value);
@@ -72,6 +84,15 @@ impl Take {
             Self::Change { from, to } => Ok(at(samples, to)? - at(samples, from)?),
         }
     }
+}
+
+/// Refuses a time `t` (s), at `path`, that is not in a run from 0 to `end_time` (s).
+pub(super) fn in_run(path: &str, t: f64, end_time: f64) -> Result<(), Invalid> {
+    let slack = SAME_TIME * end_time.max(1.0);
+    if (-slack..=end_time + slack).contains(&t) {
+        return Ok(());
+    }
+    Err(Invalid::new(path, format!("{t} s lies outside the run, which goes from 0 to {end_time} s")))
 }
 
 /// The value at time `t` (s) by linear interpolation, or why there is none.
@@ -138,6 +159,17 @@ mod tests {
             assert!(take.of(&SAMPLES).is_err_and(|why| why.contains("from 0 to 4 s")), "{take:?}");
         }
         assert!(Take::Last.of(&[]).is_err());
+    }
+
+    #[test]
+    fn times_must_lie_in_the_run() {
+        let refused = |take: Take| take.check_times(0.3).err().map(|invalid| invalid.path);
+        for take in [Take::Last, Take::At(0.0), Take::At(0.1 + 0.2), Take::Mean { from: 0.1, to: 0.3 }] {
+            assert_eq!(refused(take), None, "{take:?}");
+        }
+        assert_eq!(refused(Take::At(-0.1)).as_deref(), Some(""));
+        assert_eq!(refused(Take::MaxIn { from: -0.1, to: 0.2 }).as_deref(), Some("from"));
+        assert_eq!(refused(Take::Change { from: 0.1, to: 0.301 }).as_deref(), Some("to"));
     }
 
     #[test]
