@@ -7,7 +7,7 @@ use super::check::{Expectations, Resolved, Tolerance};
 use super::reference::{Reference, Target};
 use super::take::Take;
 use crate::probes::Series;
-use crate::scene::{Invalid, SceneInfo, SceneSection, SectionError, unknown};
+use crate::scene::{Invalid, SceneFacts, SceneInfo, SceneSection, SectionError, unknown};
 
 /// Section `expect`: what should come out.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -59,6 +59,9 @@ impl SceneSection for ExpectSection {
     fn spawn(self, world: &mut World) -> Result<(), SectionError> {
         let mut resolved = Vec::with_capacity(self.0.len());
         for (k, expectation) in self.0.into_iter().enumerate() {
+            if expectation.take.is_none() && !matches!(expectation.is, Reference::Csv { .. }) {
+                world.get_resource_or_init::<SceneFacts>().resolve(&format!("expect.{k}.take"), "Last");
+            }
             resolved.push(expectation.resolve(world).map_err(|invalid| invalid.under(&k.to_string()))?);
         }
         world.insert_resource(Expectations(resolved));

@@ -73,6 +73,13 @@ impl SceneFacts {
         self.parameters.extend(flatten(path, value));
         self.defaults.extend(document.defaults(path, value));
     }
+
+    /// Says what the value at `path` became, which was noted as `None` because it follows from the rest of the scene.
+    pub fn resolve(&mut self, path: &str, value: impl Into<String>) {
+        let value = value.into();
+        let noted = self.parameters.iter_mut().chain(&mut self.defaults);
+        noted.filter(|(noted, _)| noted == path).for_each(|(_, text)| text.clone_from(&value));
+    }
 }
 
 type Load = fn(&Document, &mut World) -> Result<(), UserError>;
@@ -112,4 +119,23 @@ fn load<S: SceneSection>(document: &Document, world: &mut World) -> Result<(), U
         SectionError::Invalid(invalid) => document.invalid(&invalid.under(S::NAME)),
         SectionError::User(error) => error,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_derived_value_takes_the_place_of_none() {
+        let mut facts = SceneFacts::default();
+        let document =
+            Document::parse("a.ron", "Scene(log: {\"series\": 1.0})").unwrap_or_else(|error| panic!("{error}"));
+        let log: std::collections::BTreeMap<&str, Option<f64>> = [("series", Some(1.0)), ("particles", None)].into();
+        facts.note(&document, "log", &log);
+        facts.resolve("log.particles", "0.02");
+        facts.resolve("log.nothing", "1");
+        let pair = |path: &str, value: &str| (path.to_owned(), value.to_owned());
+        assert_eq!(facts.defaults, [pair("log.particles", "0.02")]);
+        assert_eq!(facts.parameters, [pair("log.particles", "0.02"), pair("log.series", "1.0")]);
+    }
 }
