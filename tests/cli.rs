@@ -300,6 +300,14 @@ fn check_tells_the_run_before_it_is_run() {
 }
 
 #[test]
+fn help_names_the_page_of_fields() {
+    let folder = Folder::tank("help");
+    for command in ["run", "check", "test"] {
+        assert!(folder.run(&[command, "--help"]).out().contains("docs/scene.md"), "{command}");
+    }
+}
+
+#[test]
 fn scenes_are_listed_a_line_each() {
     let folder = Folder::tank("scenes");
     let ran = folder.run(&["scenes", "--scenes", "."]);

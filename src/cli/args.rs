@@ -43,7 +43,8 @@ Examples:
   storegga run scenes/two_phase_tank.ron --set phases.mud.rheology.yield_stress=500 --out runs/stiff.mcap
   storegga run scenes/two_phase_tank.ron --json | jq .updates_per_s
 
-The log is an MCAP file: Foxglove opens it, and so does every MCAP library.")]
+The log is an MCAP file: Foxglove opens it, and so does every MCAP library.
+docs/scene.md is the page of all fields of a scene, with their units and defaults.")]
 pub(super) struct RunArgs {
     /// Scene file.
     pub scene: PathBuf,
@@ -69,7 +70,9 @@ pub(super) struct RunArgs {
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Example:
-  storegga check scenes/two_phase_tank.ron --set spacing=0.002")]
+  storegga check scenes/two_phase_tank.ron --set spacing=0.002
+
+docs/scene.md is the page of all fields of a scene, with their units and defaults.")]
 pub(super) struct CheckArgs {
     /// Scene file.
     pub scene: PathBuf,
@@ -87,7 +90,8 @@ Examples:
   storegga test scenes/ci/*.ron                  these scenes
   storegga test scenes/two_phase_tank.ron --set spacing=0.008
 
-Exit code 0 if every expectation is met, 1 if one is not.")]
+Exit code 0 if every expectation is met, 1 if one is not, 2 if a scene is wrong.
+docs/scene.md is the page of all fields of a scene; its section `expect` says what can be expected.")]
 pub(super) struct TestArgs {
     /// Scene files; by default all in the folder of scenes that have expectations.
     pub scenes: Vec<PathBuf>,
