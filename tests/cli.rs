@@ -205,6 +205,14 @@ fn misspelt_fields_are_shown_with_the_nearest_name() {
 }
 
 #[test]
+fn a_missing_field_is_told_with_what_it_is() {
+    let folder = Folder::new("missing-field", &TANK.replace("    spacing: 0.01,\n", ""));
+    folder
+        .run(&["check", "tank.ron"])
+        .is_refused_with(&["`spacing` is missing: the initial distance of particles (m)"]);
+}
+
+#[test]
 fn numbers_that_are_none_are_refused() {
     for (name, wrong) in [("nan", "NaN"), ("inf", "inf")] {
         let folder = Folder::new(name, &TANK.replace("spacing: 0.01", &format!("spacing: {wrong}")));

@@ -83,11 +83,11 @@ impl Header {
     pub(super) fn read(document: &Document) -> Result<Self, UserError> {
         let header = Self {
             title: optional(document, "title", String::new())?,
-            dimension: required(document, "dimension")?,
-            spacing: required(document, "spacing")?,
+            dimension: required(document, "dimension", "2 or 3")?,
+            spacing: required(document, "spacing", "the initial distance of particles (m)")?,
             smoothing_ratio: optional(document, "smoothing_ratio", 1.2)?,
-            gravity: required(document, "gravity")?,
-            end_time: required(document, "end_time")?,
+            gravity: required(document, "gravity", "(x, y) or (x, y, z) in m/s²")?,
+            end_time: required(document, "end_time", "the end of the run (s)")?,
             periodic: optional(document, "periodic", Periodic::default())?,
         };
         header.check().map_err(|invalid| document.invalid(&invalid))?;
@@ -126,9 +126,10 @@ impl Header {
     }
 }
 
-fn required<T: DeserializeOwned>(document: &Document, field: &str) -> Result<T, UserError> {
+/// Reads a field that every scene has; `what` it is stands in the complaint that it is missing.
+fn required<T: DeserializeOwned>(document: &Document, field: &str, what: &str) -> Result<T, UserError> {
     if document.node(field).is_none() {
-        return Err(document.invalid(&Invalid::new("", format!("the field `{field}` is missing"))));
+        return Err(document.invalid(&Invalid::new("", format!("the field `{field}` is missing: {what}"))));
     }
     document.read(field)
 }
