@@ -6,8 +6,9 @@ use glam::DVec3;
 use storegga::app::{End, PaperPlugins, StopFlag, open, run};
 use storegga::clock::Clock;
 use storegga::neighbours::Neighbours;
-use storegga::particles::{Fluid, Position, Velocity};
-use storegga::scene::Document;
+use storegga::particles::{Density, Fluid, Mass, Position, ReferenceDensity, Velocity};
+use storegga::physics::EquationOfState;
+use storegga::scene::{Document, Resolution};
 use storegga::schedule::Step;
 
 /// The scene `text` with overrides, at its start.
@@ -124,4 +125,38 @@ pub fn tank(dimension: usize) -> String {
             walls: {{ "tank": (shape: {walls}) }},
         )"#
     )
+}
+
+/// A cube of liquid in empty space, `cells` particles of 0.05 m along each side, without gravity; `more` are sections.
+pub fn cube(dimension: usize, cells: usize, more: &str) -> String {
+    let side = 0.05 * cells as f64;
+    let (gravity, corner) = if dimension == 2 {
+        ("(0.0, 0.0)", format!("min: (0.0, 0.0), max: ({side:?}, {side:?})"))
+    } else {
+        ("(0.0, 0.0, 0.0)", format!("min: (0.0, 0.0, 0.0), max: ({side:?}, {side:?}, {side:?})"))
+    };
+    format!(
+        r#"Scene(
+            dimension: {dimension}, spacing: 0.05, gravity: {gravity}, end_time: 1.0,
+            equation_of_state: (max_speed: 1.0), {more}
+            phases: {{ "oil": (reference_density: 1000.0, rheology: Newtonian(viscosity: 2.0)) }},
+            fluids: [(phase: "oil", shape: Box({corner}), pressure: Uniform(0.0))],
+        )"#
+    )
+}
+
+/// Whether every coordinate of `x` lies farther than `margin` (m) from the sides of a [`cube`].
+pub fn is_inside_cube(x: DVec3, dimension: usize, cells: usize, margin: f64) -> bool {
+    x.to_array()[..dimension].iter().all(|x| *x > margin && *x < 0.05 * cells as f64 - margin)
+}
+
+/// Gives every fluid particle the pressure `pressure(x)` (Pa) and the mass with which it fills its cell of the lattice.
+pub fn press(world: &mut World, pressure: impl Fn(DVec3) -> f64) {
+    let state = *world.resource::<EquationOfState>();
+    let volume = world.resource::<Resolution>().particle_volume();
+    let mut fluid = world.query_filtered::<(&Position, &ReferenceDensity, &mut Density, &mut Mass), With<Fluid>>();
+    for (x, rho0, mut rho, mut m) in fluid.iter_mut(world) {
+        rho.0 = rho0.0 * (1.0 + (pressure(x.0) - state.background_pressure) / state.bulk_modulus);
+        m.0 = rho.0 * volume;
+    }
 }

@@ -1,0 +1,93 @@
+//! Diffusion of density against its continuum limit, and where it must not act.
+
+use std::f64::consts::TAU;
+
+use bevy_ecs::prelude::*;
+use glam::DVec3;
+use storegga::particles::{DensityRate, Fluid, Position, ReferenceDensity};
+use storegga::physics::EquationOfState;
+use storegga::scene::Resolution;
+
+use crate::support::{app, disturb, evaluate, periodic_box, press, tank};
+
+/// A periodic bar 2 m long.
+fn bar(dimension: usize) -> String {
+    let (spacing, gravity, sides, max) = if dimension == 2 {
+        (0.04, "(0.0, 0.0)", "y: (0.0, 0.4)", "(2.0, 0.4)")
+    } else {
+        (0.0625, "(0.0, 0.0, 0.0)", "y: (0.0, 0.5), z: (0.0, 0.5)", "(2.0, 0.5, 0.5)")
+    };
+    let min = if dimension == 2 { "(0.0, 0.0)" } else { "(0.0, 0.0, 0.0)" };
+    format!(
+        r#"Scene(
+            dimension: {dimension}, spacing: {spacing}, gravity: {gravity}, end_time: 1.0,
+            periodic: (x: (0.0, 2.0), {sides}), equation_of_state: (max_speed: 1.0), diffusion: Molteni(delta: 0.1),
+            phases: {{ "water": (reference_density: 1000.0, rheology: Newtonian(viscosity: 0.001)) }},
+            fluids: [(phase: "water", shape: Box(min: {min}, max: {max}), pressure: Uniform(0.0))],
+        )"#
+    )
+}
+
+/// Expand β_j about x_i in D_i = 2 δ h c ρ0 Σ_j V_j (β_i − β_j) (r·∇W)/r²: the linear part vanishes by symmetry, and
+/// with ∫ r_a ∂_b W = −δ_ab the quadratic part −½ r r:∇∇β leaves +½ ∇²β. So D = δ h c ρ0 ∇²β, which damps a wave.
+#[test]
+fn a_wave_of_compression_is_damped_as_by_its_laplacian() {
+    for dimension in [2, 3] {
+        let mut app = app(&bar(dimension), &[]);
+        let world = app.world_mut();
+        let (wave_number, amplitude) = (TAU / 2.0, 1e-3);
+        let b = world.resource::<EquationOfState>().bulk_modulus;
+        press(world, |x| amplitude * b * (wave_number * x.x).sin());
+        evaluate(world);
+        let (mut along, mut norm) = (0.0, 0.0);
+        for (x, rate) in world.query_filtered::<(&Position, &DensityRate), With<Fluid>>().iter(world) {
+            let wave = (wave_number * x.0.x).sin();
+            (along, norm) = (along + rate.0 * wave, norm + wave * wave);
+        }
+        let (h, c) = (world.resource::<Resolution>().smoothing_length, 10.0);
+        let exact = -0.1 * h * c * 1000.0 * wave_number * wave_number * amplitude;
+        let found = along / norm;
+        assert!((found / exact - 1.0).abs() < 0.03, "{dimension}D: {found} kg/m³/s, exact {exact} kg/m³/s");
+    }
+}
+
+#[test]
+fn two_liquids_under_one_pressure_do_not_diffuse_into_each_other() {
+    for diffusion in ["Molteni", "Hydrostatic"] {
+        let text = periodic_box(2).replace("phases:", &format!("diffusion: {diffusion}(delta: 0.1), phases:"));
+        let mut app = app(&text, &[]);
+        let world = app.world_mut();
+        disturb(world, 2, 0.01, |_| DVec3::ZERO);
+        press(world, |_| 7000.0);
+        evaluate(world);
+        let state = *world.resource::<EquationOfState>();
+        let h = world.resource::<Resolution>().smoothing_length;
+        for (rho0, rate) in world.query_filtered::<(&ReferenceDensity, &DensityRate), With<Fluid>>().iter(world) {
+            let scale = 0.1 * state.sound_speed(rho0.0) * rho0.0 / h;
+            assert!(rate.0.abs() < 1e-12 * scale, "{diffusion}: {} kg/m³/s", rate.0);
+        }
+    }
+}
+
+/// Greatest |dρ/dt| in disordered water at rest whose pressure is that of its depth, in units of δ c ρ0 g/(B/ρ0).
+fn drift(diffusion: &str, dimension: usize) -> f64 {
+    let text = tank(dimension).replace("phases:", &format!("diffusion: {diffusion}(delta: 0.1), phases:"));
+    let mut app = app(&text, &[]);
+    let world = app.world_mut();
+    disturb(world, dimension, 0.01, |_| DVec3::ZERO);
+    press(world, |x| 1000.0 * 9.81 * (0.5 - x[dimension - 1]));
+    evaluate(world);
+    let state = *world.resource::<EquationOfState>();
+    let scale = 0.1 * state.sound_speed(1000.0) * 1000.0 * 1000.0 * 9.81 / state.bulk_modulus;
+    let mut rates = world.query_filtered::<&DensityRate, With<Fluid>>();
+    rates.iter(world).fold(0.0, |greatest: f64, rate| greatest.max(rate.0.abs())) / scale
+}
+
+#[test]
+fn the_hydrostatic_form_leaves_a_column_at_rest_alone() {
+    for dimension in [2, 3] {
+        let (plain, corrected) = (drift("Molteni", dimension), drift("Hydrostatic", dimension));
+        assert!(plain > 0.1, "{dimension}D: the plain form drifts by {plain} only: nothing was tested");
+        assert!(corrected < 1e-10, "{dimension}D: {corrected}");
+    }
+}
