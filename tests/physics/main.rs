@@ -14,6 +14,7 @@ mod neighbours;
 mod periodic;
 mod pressure_forces;
 mod refusals;
+mod settling;
 mod slip;
 mod state;
 mod support;
