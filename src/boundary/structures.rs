@@ -10,7 +10,7 @@ use super::{Motion, Structure};
 use crate::neighbours::PeriodicSides;
 use crate::particles::{Slip, Solid};
 use crate::scene::geometry::{Point, Shape, coordinates, solid_particles};
-use crate::scene::{Invalid, Resolution, SceneSection, SectionError, limit_particles};
+use crate::scene::{Invalid, Resolution, SceneFacts, SceneSection, SectionError, limit_particles};
 
 /// Section `structures`: the structures by name.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -85,6 +85,11 @@ impl SceneSection for StructuresSection {
             }
             let volume: f64 = particles.iter().map(|particle| particle.volume).sum();
             let centroid = particles.iter().map(|particle| particle.position * particle.volume).sum::<DVec3>() / volume;
+            if spec.moment_about.is_none() {
+                let path = format!("{}.{name}.moment_about", Self::NAME);
+                let [x, y, z] = centroid.to_array();
+                world.resource_mut::<SceneFacts>().resolve(&path, format!("({x}, {y}, {z}) m, the centroid"));
+            }
             let structure = Structure {
                 length: spec.length.unwrap_or(1.0),
                 moment_about: spec.moment_about.map_or(centroid, Point::position),

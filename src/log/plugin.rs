@@ -61,6 +61,12 @@ impl SceneSection for LogSection {
         let end_time = world.resource::<SceneInfo>().end_time;
         let frames = self.particles.unwrap_or(end_time / FRAMES);
         let series = self.series.unwrap_or(end_time / ROWS);
+        let mut facts = world.resource_mut::<SceneFacts>();
+        for (field, given, taken) in [("particles", self.particles, frames), ("series", self.series, series)] {
+            if given.is_none() {
+                facts.resolve(&format!("{}.{field}", Self::NAME), format!("{taken} s"));
+            }
+        }
         world.insert_resource(OutputTimes::new(frames, series));
         Ok(())
     }

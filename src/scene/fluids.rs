@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::columns::Depths;
 use super::geometry::{LatticeIndex, Point, Shape, coordinates, lattice};
 use super::limits::limit_particles;
-use super::{Invalid, Resolution, SceneInfo, SceneSection, SectionError};
+use super::{Invalid, Resolution, SceneFacts, SceneInfo, SceneSection, SectionError};
 use crate::boundary::{Body, BodyShape, Motion, Structure, body_shapes};
 use crate::neighbours::PeriodicSides;
 use crate::particles::{Density, Fluid, Mass, ParticleId, PhaseIndex, Position, Pressure, ReferenceDensity, Velocity};
@@ -283,6 +283,15 @@ fn choose_state(
     let max_speed = settings.max_speed.unwrap_or(dam_break_speed.max(start_speed).max(wall_speed));
     let state = EquationOfState::new(&densities, &settings, max_pressure, max_speed);
     if state.bulk_modulus > 0.0 && state.bulk_modulus.is_finite() {
+        let mut facts = world.resource_mut::<SceneFacts>();
+        for (field, given, value, unit) in [
+            ("max_pressure", settings.max_pressure, max_pressure, "Pa"),
+            ("max_speed", settings.max_speed, max_speed, "m/s"),
+        ] {
+            if given.is_none() {
+                facts.resolve(&format!("{}.{field}", StateSettings::NAME), format!("{value} {unit}, estimated"));
+            }
+        }
         return Ok(state);
     }
     let document = &world.resource::<super::SceneDocument>().0;

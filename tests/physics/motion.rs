@@ -108,7 +108,7 @@ fn a_table_goes_exactly_through_its_rows() {
 fn particles_of_walls_and_structures_move_as_their_bodies() {
     let motion = Motion::Rotation { center: Point::plane(0.5, 0.25), axis: None, rate: 0.5 };
     let table = "Table(center: (0.5, 0.3), rows: [
-        (time: -0.1, displacement: (0.0, 0.0)), (time: 0.2, displacement: (0.02, 0.0), angle: 0.3)])";
+        (time: 0.0, displacement: (0.0, 0.0)), (time: 0.02, displacement: (0.02, 0.0), angle: 0.3)])";
     let text =
         tank(2).replace(r#""tank": ("#, r#""tank": (motion: Rotation(center: (0.5, 0.25), rate: 0.5), "#).replace(
             "walls:",
@@ -124,7 +124,7 @@ fn particles_of_walls_and_structures_move_as_their_bodies() {
     let table = Motion::Table {
         center: Point::plane(0.5, 0.3),
         axis: None,
-        rows: vec![row(-0.1, 0.0, 0.0), row(0.2, 0.02, 0.3)],
+        rows: vec![row(0.0, 0.0, 0.0), row(0.02, 0.02, 0.3)],
     };
     type Moved = (&'static RestPosition, &'static Position, &'static WallVelocity, &'static WallAcceleration);
     let walls: Vec<_> = world.query_filtered::<Moved, With<Wall>>().iter(world).map(owned).collect();
