@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use super::Motion;
 use crate::neighbours::PeriodicSides;
-use crate::particles::{BodyIndex, Position, RestPosition, RestVolume, Slip, Volume};
+use crate::particles::{BodyIndex, Position, RestPosition, Slip, Volume};
 use crate::scene::geometry::Shape;
 
 /// A wall or a structure, made of particles.
@@ -62,9 +62,7 @@ pub(super) fn spawn_body<M: Component + Default>(
     let index = BodyIndex(body.index);
     let bundles: Vec<_> = particles
         .into_iter()
-        .map(|(x, volume)| {
-            (M::default(), index, slip, Position(x), RestPosition(x), RestVolume(volume), Volume(volume))
-        })
+        .map(|(x, volume)| (M::default(), index, slip, Position(x), RestPosition(x), Volume(volume)))
         .collect();
     world.spawn_batch(bundles);
     world.spawn((body, shape, motion)).id()

@@ -43,7 +43,6 @@ pub struct Solid;
     WallVelocity,
     WallAcceleration,
     GhostVelocity,
-    RestVolume,
     Volume,
     Density,
     Pressure
@@ -124,11 +123,7 @@ pub struct WallAcceleration(pub DVec3);
 #[derive(Component, Debug, Clone, Copy, Default, PartialEq)]
 pub struct GhostVelocity(pub DVec3);
 
-/// Volume (m³; m² in 2D) that a ghost particle fills at p = χ.
-#[derive(Component, Debug, Clone, Copy, Default, PartialEq)]
-pub struct RestVolume(pub f64);
-
-/// Volume V (m³; m² in 2D) of a ghost particle.
+/// Volume V (m³; m² in 2D) that a ghost particle fills: dp^d, or its part of a round body.
 #[derive(Component, Debug, Clone, Copy, Default, PartialEq)]
 pub struct Volume(pub f64);
 

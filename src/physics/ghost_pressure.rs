@@ -1,9 +1,12 @@
-//! Pressure and volume of ghost particles, Eq. 15 (Adami et al. 2012).
+//! Pressure of ghost particles, Eq. 15 (Adami et al. 2012).
 //!
 //! `p_b = [Σ_f p_f W_bf + (g − a_w)·Σ_f ρ_f (x_b − x_f) W_bf] / Σ_f W_bf`
 //! (the paper prints p_f in the second sum); `ρ_b = ρ0_b (1 + (p_b − χ)/B)`, the inverse of Eq. 7, with ρ0_b the
-//! interpolated reference density of the fluid beside it; `V_b = V_rest / (1 + (p_b − χ)/B)`.
-//! A ghost with no fluid near it has p = χ and acts on nothing.
+//! interpolated reference density of the fluid beside it. A ghost with no fluid near it has p = χ and acts on nothing.
+//!
+//! The volume of a ghost is the one that it fills, `V_b = dp^d`. (With `V_b = dp^d/(1 + (p_b − χ)/B)`, as the density would
+//! have it, the two-phase tank at 8 mm has an L2 error of 0.127 % instead of 0.097 % and 0.053 % too much force on its floor
+//! instead of 0.007 %: the masses of the fluid come from the hydrostatic density, so its particles fill dp^d as well.)
 
 use bevy_ecs::prelude::*;
 use glam::DVec3;
@@ -12,18 +15,10 @@ use rayon::prelude::*;
 use super::{EquationOfState, Gravity};
 use crate::neighbours::{Neighbours, PairList, Rows};
 use crate::particles::{
-    Density, Fluid, GRAIN, PIECE, Position, Pressure, ReferenceDensity, RestVolume, Solid, Volume, Wall,
-    WallAcceleration, columns,
+    Density, Fluid, GRAIN, PIECE, Position, Pressure, ReferenceDensity, Solid, Wall, WallAcceleration, columns,
 };
 
-type GhostState = (
-    &'static Position,
-    &'static WallAcceleration,
-    &'static RestVolume,
-    &'static mut Pressure,
-    &'static mut Density,
-    &'static mut Volume,
-);
+type GhostState = (&'static Position, &'static WallAcceleration, &'static mut Pressure, &'static mut Density);
 
 /// Extrapolates the fluid's pressure to every wall and structure particle.
 pub fn ghost_pressure(
@@ -38,13 +33,13 @@ pub fn ghost_pressure(
         columns(&fluid);
     let fluid = FluidColumns { position, pressure, density, reference_density };
     let gravity = gravity.now;
-    for (x, a_w, rest, mut p, mut rho, mut volume) in walls.contiguous_iter_mut()? {
-        let out = (p.bypass_change_detection(), rho.bypass_change_detection(), volume.bypass_change_detection());
-        extrapolate(&neighbours.rows, &neighbours.walls, &fluid, &state, gravity, (x, a_w, rest), out);
+    for (x, a_w, mut p, mut rho) in walls.contiguous_iter_mut()? {
+        let out = (p.bypass_change_detection(), rho.bypass_change_detection());
+        extrapolate(&neighbours.rows, &neighbours.walls, &fluid, &state, gravity, (x, a_w), out);
     }
-    for (x, a_w, rest, mut p, mut rho, mut volume) in structures.contiguous_iter_mut()? {
-        let out = (p.bypass_change_detection(), rho.bypass_change_detection(), volume.bypass_change_detection());
-        extrapolate(&neighbours.rows, &neighbours.structures, &fluid, &state, gravity, (x, a_w, rest), out);
+    for (x, a_w, mut p, mut rho) in structures.contiguous_iter_mut()? {
+        let out = (p.bypass_change_detection(), rho.bypass_change_detection());
+        extrapolate(&neighbours.rows, &neighbours.structures, &fluid, &state, gravity, (x, a_w), out);
     }
     Ok(())
 }
@@ -63,10 +58,10 @@ fn extrapolate(
     fluid: &FluidColumns<'_>,
     state: &EquationOfState,
     g: DVec3,
-    (x, a_w, rest): (&[Position], &[WallAcceleration], &[RestVolume]),
-    out: (&mut [Pressure], &mut [Density], &mut [Volume]),
+    (x, a_w): (&[Position], &[WallAcceleration]),
+    out: (&mut [Pressure], &mut [Density]),
 ) {
-    out.into_par_iter().with_min_len(GRAIN).with_max_len(PIECE).enumerate().for_each(|(b, (p_b, rho_b, volume_b))| {
+    out.into_par_iter().with_min_len(GRAIN).with_max_len(PIECE).enumerate().for_each(|(b, (p_b, rho_b))| {
         let pairs = list.of(b);
         let (mut sum_pw, mut sum_rho_r_w, mut sum_rho0_w, mut sum_w) = (0.0, DVec3::ZERO, 0.0, 0.0);
         for (&row, &w) in pairs.rows.iter().zip(pairs.values) {
@@ -82,7 +77,6 @@ fn extrapolate(
         } else {
             (state.background_pressure, 0.0)
         };
-        let beta = state.compression(p);
-        (p_b.0, rho_b.0, volume_b.0) = (p, rho0 * beta, rest[b].0 / beta);
+        (p_b.0, rho_b.0) = (p, rho0 * state.compression(p));
     });
 }
