@@ -9,7 +9,7 @@ use crate::neighbours::Neighbours;
 use crate::outputs::{OutputKind, OutputTimes};
 use crate::particles::{Fluid, Solid, Wall};
 use crate::phases::phases;
-use crate::physics::{EquationOfState, GREATEST_COMPRESSION, LEAST_DETERMINANT, first_layer_fullness};
+use crate::physics::{EquationOfState, GREATEST_COMPRESSION, LEAST_DETERMINANT, fullness_in_front};
 use crate::scene::{Resolution, SceneInfo, WALL_CLEARANCE};
 
 /// A derived number.
@@ -79,7 +79,9 @@ pub fn derived_numbers(world: &mut World) -> Vec<Fact> {
     add("neighbour_reach", "m", world.resource::<Neighbours>().reach().to_string());
     add("ghost_layers", "", ghost_layer_count(&kernel, &resolution).to_string());
     add("fluid_clearance_of_bodies", "spacings", WALL_CLEARANCE.to_string());
-    add("wall_impact.first_layer", "", first_layer_fullness(&kernel, &resolution).to_string());
+    let [phi_0, phi_1] = fullness_in_front(&kernel, &resolution);
+    add("wall_impact.phi_0", "", phi_0.to_string());
+    add("wall_impact.phi_1", "", phi_1.to_string());
     add("strain_rate.least_determinant", "", LEAST_DETERMINANT.to_string());
     add("greatest_compression", "", GREATEST_COMPRESSION.to_string());
     let clock = *world.resource::<Clock>();

@@ -34,4 +34,4 @@ pub use wall_impact::{ImpactPressure, WallImpact, wall_impact};
 pub(crate) use momentum::{PairTerms, with_forms};
 pub(crate) use strain_rate::LEAST_DETERMINANT;
 pub(crate) use time_step::GREATEST_COMPRESSION;
-pub(crate) use wall_impact::first_layer_fullness;
+pub(crate) use wall_impact::fullness_in_front;

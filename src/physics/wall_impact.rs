@@ -6,9 +6,9 @@
 //! and drives particle and ghost apart like a pressure of both: `−p^w_i (V_i² + V_b²) ∇_iW_ib`. (`2h |Σ_b V_b ∇_iW_ib|` is near 1
 //! beside a flat wall.)
 //!
-//! It acts on what is nearer to a wall than the first layer of a fluid at rest and leaves all else alone:
-//! `s_i = min(max((φ_i − φ_½)/(½ − φ_½), 0), 1)`. `φ_i = −(1/d) Σ_b V_b r_ib·∇_iW_ib` is how much of the particle's neighbourhood the
-//! wall takes up: ½ on the surface of a flat wall, φ_½ half a spacing in front of it.
+//! It acts on what is nearer to a wall than the first layer of a fluid at rest, half a spacing, and leaves all else alone:
+//! `s_i = min(max((φ_i − φ_0)/(φ_1 − φ_0), 0), 1)`. `φ_i = −(1/d) Σ_b V_b r_ib·∇_iW_ib` is how much of the particle's neighbourhood the
+//! wall takes up: ½ on the surface of a flat wall, φ_0 and φ_1 0.45 and 0.25 spacings in front of it.
 //!
 //! Without it jets leak: in a thin sheet density follows the diffusion and the neighbours that the sheet has lost, and
 //! no longer tells how near the wall is. It damps and does not push back: a particle may come to rest on the surface itself.
@@ -106,7 +106,7 @@ pub fn wall_impact(
     kernel: Res<SmoothingKernel>,
     state: Res<EquationOfState>,
     neighbours: Res<Neighbours>,
-    mut first_layer: Local<Option<f64>>,
+    mut layers: Local<Option<[f64; 2]>>,
     mut fluid: Query<(&Position, &Velocity, &Density, &ReferenceDensity, &mut ImpactPressure), With<Fluid>>,
     walls: Query<(&Position, &WallVelocity, &Volume), With<Wall>>,
     structures: Query<(&Position, &WallVelocity, &Volume), With<Solid>>,
@@ -115,14 +115,14 @@ pub fn wall_impact(
         return Ok(());
     }
     let (dimension, h) = (resolution.dimension, resolution.smoothing_length);
-    let phi_half = *first_layer.get_or_insert_with(|| first_layer_fullness(&kernel, &resolution));
+    let [phi_0, phi_1] = *layers.get_or_insert_with(|| fullness_in_front(&kernel, &resolution));
     let ghosts = Ghosts { rows: &neighbours.rows, walls: columns(&walls), structures: columns(&structures) };
     for (x, v, rho, rho0, mut impact) in fluid.contiguous_iter_mut()? {
         let out = impact.bypass_change_detection().par_iter_mut().with_min_len(GRAIN).with_max_len(PIECE);
         out.enumerate().for_each(|(i, impact)| {
             let sums = ghosts.sums(x[i].0, v[i].0, neighbours.fluid.of(i));
             let phi = sums.fullness / dimension as f64;
-            let s = ((phi - phi_half) / (0.5 - phi_half)).clamp(0.0, 1.0);
+            let s = ((phi - phi_0) / (phi_1 - phi_0)).clamp(0.0, 1.0);
             let u = 2.0 * h * sums.approach.max(0.0);
             impact.0 = s * rho[i].0 * state.sound_speed(rho0[i].0) * u;
         });
@@ -130,9 +130,9 @@ pub fn wall_impact(
     Ok(())
 }
 
-/// φ_½ of the run.
-pub(crate) fn first_layer_fullness(kernel: &SmoothingKernel, resolution: &Resolution) -> f64 {
-    wall_fullness(kernel, resolution.dimension, 0.5 * resolution.spacing)
+/// φ_0 and φ_1 of the run.
+pub(crate) fn fullness_in_front(kernel: &SmoothingKernel, resolution: &Resolution) -> [f64; 2] {
+    [0.45, 0.25].map(|spacings| wall_fullness(kernel, resolution.dimension, spacings * resolution.spacing))
 }
 
 /// Rings or shells of equal thickness in the integral over a half-space.
