@@ -6,7 +6,8 @@
 //! and drives particle and ghost apart like a pressure of both: `−p^w_i (V_i² + V_b²) ∇_iW_ib`. (`2h |Σ_b V_b ∇_iW_ib|` is near 1
 //! beside a flat wall.)
 //!
-//! It acts on what is nearer to a wall than the first layer of a fluid at rest, half a spacing, and leaves all else alone:
+//! It acts on what is nearer to a flat wall than the first layer of a fluid at rest, half a spacing, and leaves all else
+//! alone (in a corner, which fills more of a neighbourhood, it damps the first layer's approach as well):
 //! `s_i = min(max((φ_i − φ_0)/(φ_1 − φ_0), 0), 1)`. `φ_i = −(1/d) Σ_b V_b r_ib·∇_iW_ib` is how much of the particle's neighbourhood the
 //! wall takes up: ½ on the surface of a flat wall, φ_0 and φ_1 0.45 and 0.25 spacings in front of it.
 //!
