@@ -12,7 +12,7 @@ use bevy_ecs::system::ScheduleSystem;
 use crate::clock::Clock;
 use crate::error::UserError;
 use crate::failure;
-use crate::kernels::{Kernel, KernelRegistry, QuinticSpline, WendlandC2};
+use crate::kernels::{CubicSpline, Kernel, KernelRegistry, QuinticSpline, WendlandC2, WendlandC4};
 use crate::outputs::OutputTimes;
 use crate::particles::{
     Acceleration, Density, DensityRate, Fluid, Mass, ParticleColumns, ParticleId, PhaseIndex, Position, Pressure,
@@ -165,7 +165,10 @@ impl Plugin for FrameworkPlugin {
             .register_particle_column::<Pressure>()
             .register_particle_column::<Viscosity>()
             .register_particle_column::<ShearRate>();
-        app.register_kernel("QuinticSpline", QuinticSpline).register_kernel("WendlandC2", WendlandC2);
+        app.register_kernel("QuinticSpline", QuinticSpline)
+            .register_kernel("CubicSpline", CubicSpline)
+            .register_kernel("WendlandC2", WendlandC2)
+            .register_kernel("WendlandC4", WendlandC4);
     }
 }
 

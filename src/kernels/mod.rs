@@ -1,12 +1,16 @@
 //! Smoothing kernels: the contract, the registry, and the scaled form that the pair loops evaluate.
 
+mod cubic;
 mod quintic;
 mod scaled;
 mod wendland;
+mod wendland_c4;
 
+pub use cubic::CubicSpline;
 pub use quintic::QuinticSpline;
 pub use scaled::{KernelRegistry, PairKernel, SmoothingKernel};
 pub use wendland::WendlandC2;
+pub use wendland_c4::WendlandC4;
 
 /// A radial smoothing kernel W(r, h) = α_d / h^d · w(q), q = r/h.
 ///

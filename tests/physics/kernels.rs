@@ -2,15 +2,17 @@
 
 use std::f64::consts::PI;
 
-use storegga::kernels::{KernelRegistry, QuinticSpline, SmoothingKernel, WendlandC2};
+use storegga::kernels::{CubicSpline, Kernel, KernelRegistry, QuinticSpline, SmoothingKernel, WendlandC2, WendlandC4};
 
 const H: f64 = 0.37;
 
 fn kernels(dimension: usize) -> Vec<(&'static str, SmoothingKernel)> {
     let mut registry = KernelRegistry::default();
     registry.register("QuinticSpline", QuinticSpline);
+    registry.register("CubicSpline", CubicSpline);
     registry.register("WendlandC2", WendlandC2);
-    ["QuinticSpline", "WendlandC2"]
+    registry.register("WendlandC4", WendlandC4);
+    ["QuinticSpline", "CubicSpline", "WendlandC2", "WendlandC4"]
         .into_iter()
         .map(|name| (name, registry.scaled(name, H, dimension).expect("registered above")))
         .collect()
@@ -32,6 +34,17 @@ fn integral_is_one() {
                 .sum();
             assert!((integral - 1.0).abs() < 1e-7, "{name} in {dimension}D: {integral}");
         }
+    }
+}
+
+/// The splines have one shape in every dimension; scenes have no use for the first.
+#[test]
+fn splines_have_a_normalisation_in_one_dimension_too() {
+    for (name, kernel) in [("QuinticSpline", &QuinticSpline as &dyn Kernel), ("CubicSpline", &CubicSpline)] {
+        let (cells, alpha) = (20_000, kernel.normalisation(1));
+        let dq = kernel.support() / f64::from(cells);
+        let integral: f64 = (0..cells).map(|k| 2.0 * alpha * kernel.w((f64::from(k) + 0.5) * dq) * dq).sum();
+        assert!((integral - 1.0).abs() < 1e-7, "{name}: {integral}");
     }
 }
 
