@@ -33,6 +33,8 @@ pub(super) enum Command {
     Test(TestArgs),
     /// List the scenes that are shipped.
     Scenes(ScenesArgs),
+    /// Make a whole log of one that was torn or damaged.
+    Recover(RecoverArgs),
 }
 
 /// Arguments of `storegga run`.
@@ -112,6 +114,26 @@ pub(super) struct ScenesArgs {
     /// Folder of the scenes.
     #[arg(long = "scenes", value_name = "DIR", default_value = "scenes")]
     pub folder: PathBuf,
+}
+
+/// Arguments of `storegga recover`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  storegga recover runs/submarine_slide.mcap
+  storegga recover runs/submarine_slide.mcap --out runs/slide_until_the_power_failed.mcap
+
+Everything that was whole when the run ended is kept: that is at least everything up to the last frame of particles.
+The log itself is only read.")]
+pub(super) struct RecoverArgs {
+    /// Log that was torn, as by a kill or a power cut, or damaged.
+    pub log: PathBuf,
+    /// Log to write; by default <log>.recovered.mcap beside it.
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Print one JSON object to standard output, and nothing else there.
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Overrides of values of the scene.

@@ -1,4 +1,4 @@
-//! The command line: what `storegga run`, `check`, `test` and `scenes` do.
+//! The command line: what `storegga run`, `check`, `test`, `scenes` and `recover` do.
 //!
 //! [`main`] is the whole program for any set of plugins, so that a program of one's own with further plugins is
 //! `fn main() -> ExitCode { storegga::cli::main(|| MyPlugins) }`.
@@ -10,6 +10,7 @@ mod exit;
 mod json;
 mod number;
 mod progress;
+mod recover;
 mod run;
 mod scenes;
 mod simulate;
@@ -34,6 +35,7 @@ pub fn main<P: PluginGroup>(plugins: fn() -> P) -> ExitCode {
         Command::Check(args) => check::check(&args, plugins),
         Command::Test(args) => test::test(&args, plugins),
         Command::Scenes(args) => scenes::list(&args, plugins),
+        Command::Recover(args) => recover::recover(&args),
     };
     done.unwrap_or_else(|error| exit::report(&error))
 }

@@ -74,7 +74,7 @@ fn default_log(scene: &Path) -> PathBuf {
 const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
 
 /// Refuses to write a log in the place of a file with something else in it.
-fn refuse_to_overwrite(log: &Path) -> Result<(), UserError> {
+pub(super) fn refuse_to_overwrite(log: &Path) -> Result<(), UserError> {
     // Nothing is lost in an empty file or in what is no plain file; what cannot be read is not written either.
     if !fs::metadata(log).is_ok_and(|data| data.is_file() && data.len() > 0) {
         return Ok(());
@@ -88,7 +88,8 @@ fn refuse_to_overwrite(log: &Path) -> Result<(), UserError> {
     Err(UserError::plain(message).help("choose another file with --out"))
 }
 
-fn make_folder(log: &Path) -> Result<(), UserError> {
+/// Makes the folder of a log.
+pub(super) fn make_folder(log: &Path) -> Result<(), UserError> {
     let Some(folder) = log.parent().filter(|folder| !folder.as_os_str().is_empty()) else { return Ok(()) };
     fs::create_dir_all(folder).map_err(|error| {
         let message = format!("cannot make the folder {} for the log: {error}", folder.display());

@@ -12,13 +12,16 @@
 //! simulated time; no wall-clock time is written, and two equal runs leave equal logs.
 //!
 //! Everything before the last [`LogWriter::flush`] stays readable if the process is killed; such a torn log has
-//! no summary and must be read from its start (`mcap recover`, or a reader that does not seek).
+//! no summary and must be read from its start: [`read_log`] does, and [`recover_log`] makes a whole log of it.
 
 mod error;
 mod facts;
 mod frames;
 mod plugin;
 mod points;
+mod read;
+mod record;
+mod recover;
 mod series;
 mod writer;
 
@@ -29,6 +32,8 @@ pub use error::LogError;
 pub use facts::{Fact, ParticleCounts, derived_numbers};
 pub use plugin::{Log, LogFailure, LogPlugin, LogSection, close_log, log_message, open_log};
 pub use points::{BODY_FIELDS, Column, FLUID_FIELDS, PointField, PointKind, PointsId};
+pub use read::{Damage, Ending, Piece, read_log};
+pub use recover::{Copied, CopiedChannel, copy_log, recover_log};
 pub use series::{Field, SeriesId, Value};
 pub use writer::{Level, LogWriter};
 

@@ -14,7 +14,7 @@ use foxglove::{
     messages::{Log, PointCloud, Timestamp},
 };
 use mcap::{
-    Attachment, Compression, McapError, McapResult, WriteOptions, Writer,
+    Attachment, Channel, Compression, McapError, McapResult, WriteOptions, Writer,
     records::{MessageHeader, Metadata},
     write::NoSeek,
 };
@@ -56,6 +56,8 @@ pub struct LogWriter {
     points: Vec<Points>,
     log_channel: u16,
     log_sequence: u32,
+    /// Next sequence number of channels that were copied and so far belong to nothing else.
+    copied: BTreeMap<u16, u32>,
     /// The encoded message, kept so that its memory is used again.
     scratch: Vec<u8>,
 }
@@ -82,6 +84,7 @@ impl LogWriter {
             points: Vec::new(),
             log_channel,
             log_sequence: 0,
+            copied: BTreeMap::new(),
             scratch: Vec::new(),
         })
     }
@@ -100,7 +103,8 @@ impl LogWriter {
             let schema = mcap.add_schema(&title, "jsonschema", &schema)?;
             mcap.add_channel(schema, topic, "json", &BTreeMap::new())
         })?;
-        let series = Series::new(channel, fields).map_err(|error| self.error(error))?;
+        let mut series = Series::new(channel, fields).map_err(|error| self.error(error))?;
+        series.sequence = self.copied.remove(&channel).unwrap_or(0);
         self.series.push(series);
         Ok(SeriesId(self.series.len() - 1))
     }
@@ -137,7 +141,9 @@ impl LogWriter {
             return Err(self.error("a point cloud needs fields"));
         }
         let channel = self.mcap(|mcap| add_protobuf_channel::<PointCloud>(mcap, topic))?;
-        self.points.push(Points::new(channel, fields));
+        let mut points = Points::new(channel, fields);
+        points.sequence = self.copied.remove(&channel).unwrap_or(0);
+        self.points.push(points);
         Ok(PointsId(self.points.len() - 1))
     }
 
@@ -180,13 +186,45 @@ impl LogWriter {
             media_type: media_type.to_owned(),
             data: bytes.into(),
         };
-        self.mcap(|mcap| mcap.attach(&attachment))
+        self.attach_raw(&attachment)
+    }
+
+    /// Attaches a file as it is.
+    pub(super) fn attach_raw(&mut self, attachment: &Attachment) -> Result<(), LogError> {
+        self.mcap(|mcap| mcap.attach(attachment))
     }
 
     /// Writes a metadata record: what `name` is about, as keys and values.
     pub fn metadata(&mut self, name: &str, entries: &[(String, String)]) -> Result<(), LogError> {
         let metadata = Metadata { name: name.to_owned(), metadata: entries.iter().cloned().collect() };
-        self.mcap(|mcap| mcap.write_metadata(&metadata))
+        self.metadata_raw(&metadata)
+    }
+
+    /// Writes a metadata record as it is.
+    pub(super) fn metadata_raw(&mut self, metadata: &Metadata) -> Result<(), LogError> {
+        self.mcap(|mcap| mcap.write_metadata(metadata))
+    }
+
+    /// Adds a channel of another log. A series or cloud that is added later with the same topic and schema continues it.
+    pub(super) fn copy_channel(&mut self, channel: &Channel) -> Result<u16, LogError> {
+        self.mcap(|mcap| {
+            let schema = match &channel.schema {
+                Some(schema) => mcap.add_schema(&schema.name, &schema.encoding, &schema.data)?,
+                None => 0,
+            };
+            mcap.add_channel(schema, &channel.topic, &channel.message_encoding, &channel.metadata)
+        })
+    }
+
+    /// Writes a message of another log to a channel that [`copy_channel`](Self::copy_channel) added.
+    pub(super) fn copy_message(&mut self, header: &MessageHeader, data: &[u8]) -> Result<(), LogError> {
+        let next = header.sequence.wrapping_add(1);
+        if header.channel_id == self.log_channel {
+            self.log_sequence = next;
+        } else {
+            self.copied.insert(header.channel_id, next);
+        }
+        self.mcap(|mcap| mcap.write_to_known_channel(header, data))
     }
 
     /// Closes the chunk and hands everything so far to the operating system. From then on it is readable even
@@ -261,7 +299,7 @@ fn header(channel_id: u16, sequence: &mut u32, nanos: u64) -> MessageHeader {
 }
 
 /// Seconds to nanoseconds, rounded; exact to the nanosecond for the first 30 days.
-fn nanos(time: f64) -> u64 {
+pub(super) fn nanos(time: f64) -> u64 {
     (time * NANOS as f64).round() as u64
 }
 

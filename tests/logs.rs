@@ -1,0 +1,262 @@
+//! Logs that were torn, damaged or could not be written: what is kept of them, and what the program says.
+//!
+//! What should be kept is worked out from the index of the undamaged log by the `mcap` library, which shares no code with ours.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use mcap::{MessageStream, Summary};
+use serde_json::Value;
+use storegga::log::{LogWriter, copy_log, recover_log};
+
+const TANK: &str = r#"Scene(
+    title: "A small tank",
+    dimension: 2,
+    spacing: 0.02,
+    gravity: (0.0, -9.81),
+    end_time: 0.05,
+    phases: {"water": (reference_density: 1000.0, rheology: Newtonian(viscosity: 0.001))},
+    walls: {"tank": (shape: Box(min: (0.0, 0.0), max: (0.2, 0.2)), slip: NoSlip)},
+    fluids: [(phase: "water", shape: Box(min: (0.0, 0.0), max: (0.2, 0.1)))],
+    log: (particles: 0.01, series: 0.005),
+)
+"#;
+
+/// A folder with the scene `tank.ron`, in which the program runs; removed at the end of the test.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let folder = std::env::temp_dir().join(format!("storegga-logs-{}-{name}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        fs::write(folder.join("tank.ron"), TANK).unwrap();
+        Self(folder)
+    }
+
+    fn run(&self, arguments: &[&str]) -> Ran {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_storegga"));
+        Ran(command.args(arguments).current_dir(&self.0).output().unwrap())
+    }
+
+    /// The whole log of the tank.
+    fn log(&self) -> Vec<u8> {
+        let ran = self.run(&["run", "tank.ron", "--quiet"]);
+        assert_eq!(ran.code(), Some(0), "{}", ran.err());
+        fs::read(self.path("runs/tank.mcap")).unwrap()
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.join(name)
+    }
+
+    fn write(&self, name: &str, bytes: &[u8]) -> PathBuf {
+        fs::write(self.path(name), bytes).unwrap();
+        self.path(name)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+struct Ran(Output);
+
+impl Ran {
+    fn code(&self) -> Option<i32> {
+        self.0.status.code()
+    }
+
+    fn out(&self) -> String {
+        String::from_utf8_lossy(&self.0.stdout).into_owned()
+    }
+
+    fn err(&self) -> String {
+        String::from_utf8_lossy(&self.0.stderr).into_owned()
+    }
+
+    fn json(&self) -> Value {
+        serde_json::from_slice(&self.0.stdout).unwrap_or_else(|error| panic!("{error}: {}{}", self.out(), self.err()))
+    }
+
+    #[track_caller]
+    fn is_refused_with(&self, parts: &[&str]) {
+        assert_eq!(self.code(), Some(2), "{}{}", self.out(), self.err());
+        parts.iter().for_each(|part| assert!(self.err().contains(part), "{part} is not in\n{}", self.err()));
+    }
+}
+
+/// A message: its topic, number, time and bytes.
+type Told = (String, u32, u64, Vec<u8>);
+
+/// All messages of a whole log, read strictly.
+fn messages(bytes: &[u8]) -> Vec<Told> {
+    let stream = MessageStream::new(bytes).unwrap().map(Result::unwrap);
+    stream.map(|m| (m.channel.topic.clone(), m.sequence, m.log_time, m.data.into_owned())).collect()
+}
+
+/// Where each chunk of a whole log lies.
+fn chunks(bytes: &[u8]) -> Vec<std::ops::Range<usize>> {
+    let summary = Summary::read(bytes).unwrap().unwrap();
+    let range = |start: u64, length: u64| start as usize..(start + length) as usize;
+    let mut found: Vec<_> =
+        summary.chunk_indexes.iter().map(|chunk| range(chunk.chunk_start_offset, chunk.chunk_length)).collect();
+    found.sort_by_key(|chunk| chunk.start);
+    found
+}
+
+/// Messages of each chunk of a whole log.
+fn messages_by_chunk(bytes: &[u8]) -> Vec<Vec<Told>> {
+    let summary = Summary::read(bytes).unwrap().unwrap();
+    let mut indexes = summary.chunk_indexes.clone();
+    indexes.sort_by_key(|chunk| chunk.chunk_start_offset);
+    let of = |chunk| summary.stream_chunk(bytes, chunk).unwrap().map(Result::unwrap);
+    let told = |m: mcap::Message| (m.channel.topic.clone(), m.sequence, m.log_time, m.data.into_owned());
+    indexes.iter().map(|chunk| of(chunk).map(told).collect()).collect()
+}
+
+/// Recovers the log that `bytes` are left of and returns it; it must be whole to a strict reader and by its own statistics.
+fn recovered(folder: &Folder, bytes: &[u8]) -> Result<Vec<u8>, String> {
+    let (torn, out) = (folder.write("torn.mcap", bytes), folder.path("out.mcap"));
+    let copied = recover_log(&torn, &out).map_err(|error| error.to_string())?;
+    let whole = fs::read(out).unwrap();
+    let summary = Summary::read(&whole).unwrap().expect("it has a summary");
+    assert_eq!(summary.stats.unwrap().message_count, copied.messages());
+    assert_eq!(messages(&whole).len() as u64, copied.messages());
+    assert_eq!(fs::read(torn).unwrap(), bytes, "the torn log was changed");
+    assert!(!folder.path("out.mcap.part").exists());
+    Ok(whole)
+}
+
+#[test]
+fn a_log_cut_at_any_byte_keeps_every_whole_chunk() {
+    let folder = Folder::new("cut");
+    let log = folder.log();
+    let (chunks, by_chunk) = (chunks(&log), messages_by_chunk(&log));
+    assert!(chunks.len() > 5, "{chunks:?}");
+    // Every border and its neighbours, and bytes all over the file.
+    let borders = chunks.iter().flat_map(|chunk| [chunk.start, chunk.end]).flat_map(|at| [at - 1, at, at + 1]);
+    let cuts = borders.chain((0..log.len()).step_by(log.len() / 150)).chain([log.len() - 1, log.len()]);
+    for cut in cuts {
+        let expected: Vec<Told> = chunks
+            .iter()
+            .zip(&by_chunk)
+            .filter(|(chunk, _)| chunk.end <= cut)
+            .flat_map(|(_, told)| told.clone())
+            .collect();
+        match recovered(&folder, &log[..cut]) {
+            Ok(whole) => assert!(messages(&whole) == expected, "cut at byte {cut} of {}", log.len()),
+            Err(why) => assert!(expected.is_empty() && cut < chunks[1].start, "cut at byte {cut}: {why}"),
+        }
+    }
+    let attached = |bytes: &[u8]| Summary::read(bytes).unwrap().unwrap().attachment_indexes[0].name.clone();
+    assert_eq!(attached(&recovered(&folder, &log[..chunks[1].end]).unwrap()), "tank.ron");
+}
+
+#[test]
+fn a_damaged_chunk_is_left_out_and_the_others_are_kept() {
+    let folder = Folder::new("damaged");
+    let log = folder.log();
+    let (chunks, by_chunk) = (chunks(&log), messages_by_chunk(&log));
+    for k in [0, 1, chunks.len() / 2, chunks.len() - 1] {
+        let start = chunks[k].start;
+        let expected: Vec<Told> =
+            by_chunk.iter().enumerate().filter(|(other, _)| *other != k).flat_map(|(_, told)| told.clone()).collect();
+        // A bit of its data; of its checksum; its length, so that the next record must be searched for; its opcode; both sizes.
+        let middle = (start + chunks[k].end) / 2;
+        for (at, mask) in
+            [(middle, 1), (start + 33, 255), (start + 2, 64), (start + 8, 128), (start, 0x50), (start + 25, 3)]
+        {
+            let mut damaged = log.clone();
+            damaged[at] ^= mask;
+            let whole = recovered(&folder, &damaged).unwrap();
+            assert!(messages(&whole) == expected, "chunk {k}, byte {} of it: {}", at - start, messages(&whole).len());
+        }
+    }
+    let mut damaged = log.clone();
+    damaged[(chunks[2].start + chunks[2].end) / 2] ^= 1;
+    folder.write("torn.mcap", &damaged);
+    let ran = folder.run(&["recover", "torn.mcap", "--json"]);
+    assert_eq!(ran.code(), Some(0), "{}", ran.err());
+    let json = ran.json();
+    let steps = json["channels"].as_array().unwrap().iter().find(|channel| channel["topic"] == "/steps").unwrap();
+    let lost = by_chunk[2].iter().filter(|told| told.0 == "/steps").count();
+    assert!(lost > 0);
+    assert_eq!(steps["missing"], lost);
+    assert_eq!(json["damages"][0]["offset"], chunks[2].start);
+    assert!(json["damages"][0]["what"].as_str().unwrap().contains("a chunk with messages from 0.0"), "{json}");
+}
+
+#[test]
+fn a_log_goes_on_after_its_copy() {
+    let folder = Folder::new("goes-on");
+    let log = folder.log();
+    let from = folder.write("torn.mcap", &log[..log.len() - 100]);
+    let out = folder.path("out.mcap");
+    let mut writer = LogWriter::create(&out).unwrap();
+    let copied = copy_log(&from, &mut writer, Some(0.02)).unwrap();
+    assert_eq!(copied.last_time(), Some(0.02));
+    let ticks = writer.add_series("/ticks", "a new series", &[]).unwrap();
+    let frames = writer.add_points("/particles", &storegga::log::FLUID_FIELDS).unwrap();
+    let empty = [glam::DVec3::ZERO; 0];
+    let (vector, scalar) = (storegga::log::Column::Vector(&empty), storegga::log::Column::Scalar(&[]));
+    let (u8s, u32s) = (storegga::log::Column::U8(&[]), storegga::log::Column::U32(&[]));
+    let columns = [vector, vector, scalar, scalar, scalar, scalar, u8s, u32s];
+    writer.write_points(frames, 0.03, &columns).unwrap();
+    writer.write_series(ticks, 0.03, &[]).unwrap();
+    writer.finish().unwrap();
+
+    let told = messages(&fs::read(&out).unwrap());
+    let old: Vec<Told> = messages(&log).into_iter().filter(|told| told.2 <= 20_000_000).collect();
+    assert!(told[..old.len()] == old);
+    let numbers = |topic: &str| -> Vec<u32> { told.iter().filter(|told| told.0 == topic).map(|told| told.1).collect() };
+    assert_eq!(numbers("/particles"), [0, 1, 2, 3]);
+    assert_eq!(numbers("/ticks"), [0]);
+    let summary = Summary::read(&fs::read(out).unwrap()).unwrap().unwrap();
+    assert_eq!(summary.channels.values().filter(|channel| channel.topic == "/particles").count(), 1);
+    assert!(!summary.metadata_indexes.iter().any(|index| index.name == "end"));
+}
+
+#[test]
+fn recover_tells_what_is_kept_and_what_is_lost() {
+    let folder = Folder::new("tells");
+    let log = folder.log();
+    let chunks = chunks(&log);
+    folder.write("torn.mcap", &log[..chunks[3].end - 7]);
+    let ran = folder.run(&["recover", "torn.mcap"]);
+    assert_eq!(ran.code(), Some(0), "{}", ran.err());
+    for part in
+        ["torn.mcap: ", "up to t = 0.0", "kept in torn.recovered.mcap", "/particles", "/steps", "lost: ", "cut off"]
+    {
+        assert!(ran.out().contains(part), "{part} is not in\n{}", ran.out());
+    }
+    // Its own output may be replaced; a log that is whole is only copied.
+    let ran = folder.run(&["recover", "runs/tank.mcap", "--out", "torn.recovered.mcap"]);
+    assert!(ran.code() == Some(0) && ran.out().contains("was whole"), "{}{}", ran.out(), ran.err());
+    assert_eq!(messages(&fs::read(folder.path("torn.recovered.mcap")).unwrap()), messages(&log));
+}
+
+#[test]
+fn what_is_no_log_is_not_recovered() {
+    let folder = Folder::new("no-log");
+    let log = folder.log();
+    let recover = |name: &str| folder.run(&["recover", name]);
+    folder.write("empty.mcap", b"");
+    recover("empty.mcap").is_refused_with(&["cannot read the log empty.mcap: it is empty"]);
+    recover("tank.ron").is_refused_with(&["it is not a log", "MCAP"]);
+    recover(".").is_refused_with(&["it is a folder"]);
+    recover("none.mcap").is_refused_with(&["cannot read the log none.mcap: No such file or directory"]);
+    for length in [3, 8, 12, 30] {
+        folder.write("head.mcap", &log[..length]);
+        recover("head.mcap").is_refused_with(&["head.mcap: "]);
+    }
+    assert!(!folder.path("head.recovered.mcap").exists() && !folder.path("head.recovered.mcap.part").exists());
+    let out = |out: &str| folder.run(&["recover", "runs/tank.mcap", "--out", out]);
+    out("tank.ron").is_refused_with(&["exists and is not a log", "--out"]);
+    out("runs/../runs/tank.mcap").is_refused_with(&["it is the log that is to be recovered"]);
+    out("tank.ron/a.mcap").is_refused_with(&["tank.ron", "--out"]);
+    assert_eq!(fs::read(folder.path("runs/tank.mcap")).unwrap(), log);
+    assert!(Path::new(&folder.path("tank.ron")).is_file());
+}
