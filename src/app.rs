@@ -8,20 +8,25 @@ use bevy_ecs::component::Mutable;
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::IntoScheduleConfigs;
 use bevy_ecs::system::ScheduleSystem;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 
+use crate::checkpoint::SavedState;
 use crate::clock::Clock;
 use crate::error::UserError;
 use crate::failure;
-use crate::kernels::{CubicSpline, Kernel, KernelRegistry, QuinticSpline, WendlandC2, WendlandC4};
+use crate::kernels::{CubicSpline, Kernel, KernelRegistry, QuinticSpline, SmoothingKernel, WendlandC2, WendlandC4};
 use crate::outputs::OutputTimes;
 use crate::particles::{
     Acceleration, Density, DensityRate, Fluid, Mass, ParticleColumns, ParticleId, PhaseIndex, Position, Pressure,
     ReferenceDensity, ShearRate, Velocity, Viscosity,
 };
-use crate::physics::{Divergence, DivergenceReport};
+use crate::physics::{Divergence, DivergenceReport, EquationOfState};
 use crate::probes::{Probe, ProbeRegistry};
 use crate::rheology::{FlowCurve, Rheology, RheologyRegistry, apply_flow_curve};
-use crate::scene::{Document, SceneInfo, SceneSection, SectionRegistry, load_scene};
+use crate::scene::{
+    Document, Resolution, SceneDocument, SceneFacts, SceneInfo, SceneSection, SectionRegistry, load_scene,
+};
 use crate::schedule::{self, Output, Stage, Stages, Step};
 
 /// Registration points of the framework. The paper's own physics uses nothing else.
@@ -59,8 +64,21 @@ pub trait StoreggaApp {
     /// Gives scenes the section `S`.
     fn register_scene_section<S: SceneSection>(&mut self) -> &mut Self;
 
-    /// Gives every fluid particle the column `T`, which follows its particle through re-sorting.
-    fn register_particle_column<T: Component<Mutability = Mutable> + Copy + Default>(&mut self) -> &mut Self;
+    /// Gives every fluid particle the column `T`, which follows its particle through re-sorting, and is saved in checkpoints
+    /// (of whatever entity has a `T`).
+    fn register_particle_column<T>(&mut self) -> &mut Self
+    where
+        T: Component<Mutability = Mutable> + Copy + Default + Serialize + DeserializeOwned;
+
+    /// Saves the component or resource `T`, of every entity that has it, in [checkpoints](crate::checkpoint): for state that
+    /// lives from one step to the next. It has to be there from the start of the run on.
+    fn register_saved<T>(&mut self) -> &mut Self
+    where
+        T: Component<Mutability = Mutable> + Serialize + DeserializeOwned;
+
+    /// Says that the component or resource `T` needs no place in [checkpoints](crate::checkpoint): it follows from the scene,
+    /// or is computed anew before it is read. Scene sections, rheologies and probes are known as such.
+    fn register_rebuilt<T: Component>(&mut self) -> &mut Self;
 }
 
 /// Orders the systems of registered rheologies, which may all write the viscosity, by registration.
@@ -79,6 +97,7 @@ impl StoreggaApp for App {
     ) -> &mut Self {
         let mut registry = self.world_mut().get_resource_or_init::<RheologyRegistry>();
         let order = registry.register::<R>(name);
+        SavedState::register_rebuilt::<R>(self.world_mut());
         let in_use = any_with_component::<R>;
         let system = system.in_set(RheologyOrder(order)).after(RheologyOrder(order - 1)).run_if(in_use);
         if let Some(mut stages) = self.world_mut().get_non_send_mut::<Stages>() {
@@ -115,14 +134,31 @@ impl StoreggaApp for App {
 
     fn register_scene_section<S: SceneSection>(&mut self) -> &mut Self {
         self.world_mut().get_resource_or_init::<SectionRegistry>().register::<S>();
+        SavedState::register_rebuilt::<S>(self.world_mut());
         self
     }
 
-    fn register_particle_column<T: Component<Mutability = Mutable> + Copy + Default>(&mut self) -> &mut Self {
+    fn register_particle_column<T>(&mut self) -> &mut Self
+    where
+        T: Component<Mutability = Mutable> + Copy + Default + Serialize + DeserializeOwned,
+    {
         let world = self.world_mut();
         // The framework's own columns are required by the marker itself, and so is a column registered twice.
         let _ = world.try_register_required_components::<Fluid, T>();
         ParticleColumns::register::<T>(world);
+        self.register_saved::<T>()
+    }
+
+    fn register_saved<T>(&mut self) -> &mut Self
+    where
+        T: Component<Mutability = Mutable> + Serialize + DeserializeOwned,
+    {
+        SavedState::register::<T>(self.world_mut());
+        self
+    }
+
+    fn register_rebuilt<T: Component>(&mut self) -> &mut Self {
+        SavedState::register_rebuilt::<T>(self.world_mut());
         self
     }
 }
@@ -153,6 +189,16 @@ impl Plugin for FrameworkPlugin {
     fn build(&self, app: &mut App) {
         schedule::init(app);
         app.init_resource::<Clock>().init_resource::<OutputTimes>();
+        app.register_saved::<Clock>().register_saved::<OutputTimes>();
+        app.register_rebuilt::<SavedState>()
+            .register_rebuilt::<ParticleColumns>()
+            .register_rebuilt::<KernelRegistry>()
+            .register_rebuilt::<SmoothingKernel>()
+            .register_rebuilt::<SectionRegistry>()
+            .register_rebuilt::<SceneDocument>()
+            .register_rebuilt::<SceneFacts>()
+            .register_rebuilt::<SceneInfo>()
+            .register_rebuilt::<Resolution>();
         app.register_particle_column::<ParticleId>()
             .register_particle_column::<PhaseIndex>()
             .register_particle_column::<Position>()
@@ -177,7 +223,9 @@ struct FluidsPlugin;
 
 impl Plugin for FluidsPlugin {
     fn build(&self, app: &mut App) {
-        app.register_scene_section::<crate::scene::FluidsSection>();
+        app.register_scene_section::<crate::scene::FluidsSection>()
+            .register_rebuilt::<crate::scene::FilledFluids>()
+            .register_rebuilt::<EquationOfState>();
     }
 }
 

@@ -3,9 +3,10 @@
 use std::fmt;
 
 use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// Which term of Eq. 19, or what else, set the time step.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Limit {
     /// Sound and speed: h/(c + |v|).
     #[default]
@@ -30,7 +31,7 @@ impl fmt::Display for Limit {
 }
 
 /// Where the run stands in simulated time.
-#[derive(Resource, Debug, Clone, Copy, Default)]
+#[derive(Resource, Debug, Clone, Copy, Default, Serialize, Deserialize)]
 pub struct Clock {
     /// Time t (s) at the end of the step in progress.
     pub time: f64,

@@ -28,6 +28,7 @@
 
 pub mod app;
 pub mod boundary;
+pub mod checkpoint;
 pub mod cli;
 pub mod clock;
 pub mod error;

@@ -1,6 +1,7 @@
 //! When outputs are due.
 
 use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// Which outputs there are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -12,7 +13,7 @@ pub enum OutputKind {
 }
 
 /// An output every so many seconds.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 struct Every {
     interval: f64,
     /// The next one is due at `count · interval`: no sum of intervals, which would drift.
@@ -37,7 +38,7 @@ impl Every {
 const ROUNDING: f64 = 1e-12;
 
 /// The output times of a run.
-#[derive(Resource, Debug, Clone, PartialEq)]
+#[derive(Resource, Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct OutputTimes {
     frames: Every,
     series: Every,

@@ -4,6 +4,7 @@ use bevy_app::{App, Plugin, PluginGroup};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 use storegga::app::{End, PaperPlugins, StopFlag, StoreggaApp, open, run};
+use storegga::checkpoint::{check_state, restore_state, save_state};
 use storegga::clock::Clock;
 use storegga::error::UserError;
 use storegga::kernels::Kernel;
@@ -34,11 +35,11 @@ impl Rheology for Softening {
 }
 
 /// Accumulated strain: a column of the plugin's own.
-#[derive(Component, Debug, Clone, Copy, Default)]
+#[derive(Component, Debug, Clone, Copy, Default, Serialize, Deserialize)]
 struct Strain(f64);
 
 /// The particle that the column should belong to.
-#[derive(Component, Debug, Clone, Copy, Default)]
+#[derive(Component, Debug, Clone, Copy, Default, Serialize, Deserialize)]
 struct Owner(u32);
 
 fn soften(
@@ -191,6 +192,45 @@ fn a_plugin_brings_everything() {
     assert_eq!(named("count").times().len(), 6);
     assert_eq!(named("count").row(5), [96.0]);
     assert_eq!(named("beat").times().len(), 6);
+}
+
+#[test]
+fn what_a_plugin_brings_is_saved_and_restored() {
+    let open = || opened(SCENE).unwrap_or_else(|error| panic!("{}", error.render(false)));
+    let (mut straight, mut resumed) = (open(), open());
+    run(straight.world_mut(), 0.02, &StopFlag::default(), |_| {});
+    assert_eq!(check_state(straight.world()), Ok(()));
+    let saved = save_state(straight.world_mut()).expect("the state is saved");
+    restore_state(resumed.world_mut(), &saved).expect("the state fits");
+    for app in [&mut straight, &mut resumed] {
+        run(app.world_mut(), 0.05, &StopFlag::default(), |_| {});
+        let world = app.world_mut();
+        assert!(world.query::<&Strain>().iter(world).any(|strain| strain.0 > 0.0));
+        assert!(world.query::<&Series>().iter(world).all(|series| series.times().len() == 6));
+    }
+    let [straight, resumed] = [straight, resumed].map(|mut app| save_state(app.world_mut()));
+    assert!(straight == resumed, "the resumed run went another way");
+    let without_plugin = open_plain().map(|mut app| restore_state(app.world_mut(), &saved));
+    let refusal = without_plugin.unwrap_or_else(|error| panic!("{error}")).expect_err("it does not fit");
+    assert!(refusal.contains("Strain") && refusal.contains("does not have"), "{refusal}");
+}
+
+fn open_plain() -> Result<App, UserError> {
+    storegga::app::open(PaperPlugins, plain_scene())
+}
+
+/// Remembers something, and nobody is told.
+#[derive(Resource, Default)]
+struct Forgotten(#[expect(dead_code, reason = "a resource needs a value to be forgotten")] f64);
+
+#[test]
+fn state_that_would_not_be_saved_is_found() {
+    let mut app = open_plain().unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(check_state(app.world()), Ok(()));
+    app.init_resource::<Forgotten>();
+    assert_eq!(check_state(app.world()), Err(vec!["registration::Forgotten".to_owned()]));
+    app.register_rebuilt::<Forgotten>();
+    assert_eq!(check_state(app.world()), Ok(()));
 }
 
 fn refusal(opened: Result<App, UserError>) -> String {

@@ -10,6 +10,7 @@
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use super::Body;
 use crate::neighbours::{Neighbours, sum_pairs};
@@ -37,7 +38,7 @@ pub struct Structure {
 }
 
 /// Force (N; N/m in 2D where the scene gives no length) and moment (N m; N) of the fluid on a structure.
-#[derive(Component, Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Load {
     /// Force from the pressure.
     pub pressure_force: DVec3,

@@ -17,6 +17,9 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
 use crate::app::StoreggaApp;
+use crate::particles::{
+    BodyIndex, ForceOnParticle, GhostVelocity, PeriodShift, RestPosition, Slip, Volume, WallAcceleration, WallVelocity,
+};
 use crate::schedule::Stage;
 
 /// Walls and structures of a scene.
@@ -25,6 +28,20 @@ pub struct BoundaryPlugin;
 impl Plugin for BoundaryPlugin {
     fn build(&self, app: &mut App) {
         app.register_scene_section::<WallsSection>().register_scene_section::<StructuresSection>();
+        app.register_rebuilt::<Body>()
+            .register_rebuilt::<BodyShape>()
+            .register_rebuilt::<Motion>()
+            .register_rebuilt::<Structure>()
+            .register_rebuilt::<BodyIndex>()
+            .register_rebuilt::<Slip>()
+            .register_rebuilt::<Volume>();
+        app.register_saved::<RestPosition>()
+            .register_saved::<PeriodShift>()
+            .register_saved::<WallVelocity>()
+            .register_saved::<WallAcceleration>()
+            .register_saved::<GhostVelocity>()
+            .register_saved::<ForceOnParticle>()
+            .register_saved::<Load>();
         app.set_stage(Stage::MoveBodies, move_bodies, move_bodies).set_stage(
             Stage::Loads,
             (force_on_particles::<2>, sum_loads).chain(),

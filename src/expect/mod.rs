@@ -30,7 +30,9 @@ use crate::app::StoreggaApp;
 pub struct ExpectPlugin;
 
 impl Plugin for ExpectPlugin {
-    fn build(&self, _: &mut App) {}
+    fn build(&self, app: &mut App) {
+        app.register_rebuilt::<check::Expectations>();
+    }
 
     fn finish(&self, app: &mut App) {
         app.register_scene_section::<ExpectSection>();

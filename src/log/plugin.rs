@@ -126,6 +126,7 @@ pub struct LogPlugin;
 impl Plugin for LogPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<LogFailure>();
+        app.register_rebuilt::<Log>().register_rebuilt::<LogFailure>();
         app.register_scene_section::<LogSection>();
         let frame = (write_particles, write_bodies).chain().run_if(due(OutputKind::Frames));
         let series = (write_series, write_step).chain().run_if(due(OutputKind::Series));

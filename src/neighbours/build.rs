@@ -9,6 +9,7 @@ use super::grid::Grid;
 use super::sort::sort_fluid;
 use super::{PairList, PeriodicSides, Rows, add_images};
 use crate::app::StoreggaApp;
+use crate::checkpoint::{SavedState, decode, encode};
 use crate::kernels::SmoothingKernel;
 use crate::particles::{Fluid, PeriodShift, Position, RestPosition, Solid, Wall, columns};
 use crate::scene::{Invalid, SceneDocument, SceneSection, SectionError};
@@ -107,6 +108,46 @@ impl Neighbours {
     pub(super) fn sort_is_due(&self) -> bool {
         self.sort_every > 0 && self.builds.is_multiple_of(u64::from(self.sort_every))
     }
+
+    /// Builds the list of every table from the positions of all rows.
+    fn build(&mut self, sides: &PeriodicSides) {
+        let n = self;
+        let (fluid, walls, structures) = (n.rows.fluid, n.rows.walls, n.rows.structures);
+        add_images(sides, n.reach, &mut n.positions, &mut n.rows.images);
+
+        // Walls farther from all fluid than a list reaches are left out: they cost nothing.
+        let (rows, owned) = (&n.rows, n.rows.owned());
+        let is_fluid = |row: usize| row < fluid || (row >= owned && (rows.images[row - owned].source as usize) < fluid);
+        let wet = n.positions.iter().enumerate().filter(|(row, _)| is_fluid(*row));
+        let (min, max) =
+            wet.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(min, max), (_, x)| (min.min(*x), max.max(*x)));
+        n.grid.lay(min - n.reach, max + n.reach, n.reach, n.positions.len());
+        n.grid.sort(&n.positions, is_fluid);
+
+        let (grid, positions, reach_squared) = (&n.grid, &n.positions, n.reach * n.reach);
+        n.fluid.build(fluid, |i, list| {
+            grid.around(positions[i], |entries| {
+                list.extend(
+                    entries
+                        .iter()
+                        .filter(|e| e.position.distance_squared(positions[i]) < reach_squared && e.row as usize != i)
+                        .map(|e| e.row),
+                );
+            });
+        });
+        let fluid_near = |row: usize, list: &mut Vec<u32>| {
+            grid.around(positions[row], |entries| {
+                list.extend(
+                    entries
+                        .iter()
+                        .filter(|e| e.fluid && e.position.distance_squared(positions[row]) < reach_squared)
+                        .map(|e| e.row),
+                );
+            });
+        };
+        n.walls.build(walls, |k, list| fluid_near(fluid + k, list));
+        n.structures.build(structures, |k, list| fluid_near(fluid + walls + k, list));
+    }
 }
 
 /// Two particles that approach each other use up the skin twice as fast as one.
@@ -139,7 +180,7 @@ fn wrap_particles(
     }
 }
 
-/// Builds the list of every table.
+/// Collects the positions of every table and builds the lists.
 fn build_lists(
     mut neighbours: ResMut<Neighbours>,
     sides: Res<PeriodicSides>,
@@ -153,41 +194,31 @@ fn build_lists(
     (n.rows.fluid, n.rows.walls, n.rows.structures) = (fluid, walls, structures);
     n.positions.clear();
     n.positions.extend(tables.iter().flat_map(|table| table.iter().map(|x| x.0)));
-    add_images(&sides, n.reach, &mut n.positions, &mut n.rows.images);
-
-    // Walls farther from all fluid than a list reaches are left out: they cost nothing.
-    let (rows, owned) = (&n.rows, n.rows.owned());
-    let is_fluid = |row: usize| row < fluid || (row >= owned && (rows.images[row - owned].source as usize) < fluid);
-    let wet = n.positions.iter().enumerate().filter(|(row, _)| is_fluid(*row));
-    let (min, max) = wet.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(min, max), (_, x)| (min.min(*x), max.max(*x)));
-    n.grid.lay(min - n.reach, max + n.reach, n.reach, n.positions.len());
-    n.grid.sort(&n.positions, is_fluid);
-
-    let (grid, positions, reach_squared) = (&n.grid, &n.positions, n.reach * n.reach);
-    n.fluid.build(fluid, |i, list| {
-        grid.around(positions[i], |entries| {
-            list.extend(
-                entries
-                    .iter()
-                    .filter(|e| e.position.distance_squared(positions[i]) < reach_squared && e.row as usize != i)
-                    .map(|e| e.row),
-            );
-        });
-    });
-    let fluid_near = |row: usize, list: &mut Vec<u32>| {
-        grid.around(positions[row], |entries| {
-            list.extend(
-                entries
-                    .iter()
-                    .filter(|e| e.fluid && e.position.distance_squared(positions[row]) < reach_squared)
-                    .map(|e| e.row),
-            );
-        });
-    };
-    n.walls.build(walls, |k, list| fluid_near(fluid + k, list));
-    n.structures.build(structures, |k, list| fluid_near(fluid + walls + k, list));
+    n.build(&sides);
     n.travelled = 0.0;
     n.builds += 1;
+}
+
+/// What the lists follow from: number of builds, how far particles have moved since the last one (m), and where they were
+/// then (m). The order of pairs, and with it the rounding of sums, is that of the last build.
+type Origin = (u64, f64, Vec<DVec3>);
+
+fn save_lists(world: &mut World, bytes: &mut Vec<u8>) -> Result<(), String> {
+    let n = world.resource::<Neighbours>();
+    encode(&(n.builds, n.travelled, &n.positions[..n.rows.owned()]), bytes)
+}
+
+fn restore_lists(world: &mut World, bytes: &[u8]) -> Result<(), String> {
+    let sides = *world.resource::<PeriodicSides>();
+    let mut n = world.resource_mut::<Neighbours>();
+    let (builds, travelled, positions): Origin = decode(bytes)?;
+    if positions.len() != n.rows.owned() {
+        return Err(format!("{} positions for {} particles", positions.len(), n.rows.owned()));
+    }
+    n.positions = positions;
+    n.build(&sides);
+    (n.builds, n.travelled) = (builds, travelled);
+    Ok(())
 }
 
 /// Neighbour lists and their stage.
@@ -196,6 +227,8 @@ pub struct NeighboursPlugin;
 impl Plugin for NeighboursPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<Neighbours>();
+        app.register_rebuilt::<PeriodicSides>();
+        SavedState::register_with::<Neighbours>(app.world_mut(), save_lists, restore_lists);
         app.register_scene_section::<NeighbourSettings>();
         let systems = || (set_reach, (wrap_particles, sort_fluid, build_lists).chain().run_if(lists_are_stale)).chain();
         app.set_stage(Stage::Neighbours, systems(), systems());

@@ -2,6 +2,7 @@
 
 use bevy_ecs::prelude::*;
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 /// Marks a fluid particle.
 #[derive(Component, Debug, Clone, Copy, Default)]
@@ -51,15 +52,15 @@ pub struct Ghost;
 
 /// By how much (m) a ghost was put elsewhere when it left through a periodic side: whole periods, which its body did not
 /// go.
-#[derive(Component, Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct PeriodShift(pub DVec3);
 
 /// Identity of a fluid particle. Rows are re-sorted in memory now and then; this number stays.
-#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct ParticleId(pub u32);
 
 /// Which phase a fluid particle belongs to: the index of a [`Phase`](crate::phases::Phase).
-#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PhaseIndex(pub u32);
 
 /// Which wall or structure a ghost particle belongs to: index of a body in the order of the scene, counted apart for
@@ -68,59 +69,59 @@ pub struct PhaseIndex(pub u32);
 pub struct BodyIndex(pub u32);
 
 /// Position x (m). In 2D z = 0.
-#[derive(Component, Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Position(pub DVec3);
 
 /// Velocity v (m/s).
-#[derive(Component, Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Velocity(pub DVec3);
 
 /// Acceleration dv/dt (m/s²) of Eq. 6.
-#[derive(Component, Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Acceleration(pub DVec3);
 
 /// Mass m (kg; per metre of out-of-plane length in 2D).
-#[derive(Component, Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Mass(pub f64);
 
 /// Reference density ρ0 (kg/m³) of the particle's phase.
-#[derive(Component, Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct ReferenceDensity(pub f64);
 
 /// Density ρ (kg/m³).
-#[derive(Component, Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Density(pub f64);
 
 /// Rate of change of density dρ/dt (kg/m³/s) of Eq. 5, diffusion included.
-#[derive(Component, Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct DensityRate(pub f64);
 
 /// Pressure p (Pa).
-#[derive(Component, Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Pressure(pub f64);
 
 /// Dynamic viscosity μ (Pa s).
-#[derive(Component, Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Viscosity(pub f64);
 
 /// Shear rate γ̇ (1/s) of Eq. 14.
-#[derive(Component, Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct ShearRate(pub f64);
 
 /// Position (m) of a ghost particle before its body moved.
-#[derive(Component, Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct RestPosition(pub DVec3);
 
 /// Velocity v_w (m/s) with which a ghost particle moves with its body.
-#[derive(Component, Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct WallVelocity(pub DVec3);
 
 /// Acceleration a_w (m/s²) with which a ghost particle moves with its body.
-#[derive(Component, Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct WallAcceleration(pub DVec3);
 
 /// Velocity v_b (m/s) that the fluid feels in ∇v and in the viscous force (Eq. 16).
-#[derive(Component, Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct GhostVelocity(pub DVec3);
 
 /// Volume V (m³; m² in 2D) that a ghost particle fills: dp^d, or its part of a round body.
@@ -128,7 +129,7 @@ pub struct GhostVelocity(pub DVec3);
 pub struct Volume(pub f64);
 
 /// Whether the fluid sticks to a wall or slides along it.
-#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Slip {
     /// The fluid sticks: at the wall its velocity is the wall's.
@@ -139,7 +140,7 @@ pub enum Slip {
 }
 
 /// Force of the fluid on one solid particle (N; N/m in 2D), Eqs. 17 and 18.
-#[derive(Component, Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct ForceOnParticle {
     /// Part from the pressure.
     pub pressure: DVec3,

@@ -100,6 +100,6 @@ pub struct PhasesPlugin;
 
 impl Plugin for PhasesPlugin {
     fn build(&self, app: &mut App) {
-        app.register_scene_section::<PhasesSection>();
+        app.register_scene_section::<PhasesSection>().register_rebuilt::<Phase>();
     }
 }

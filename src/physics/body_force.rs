@@ -12,7 +12,7 @@ use crate::particles::{Acceleration, Fluid, GRAIN, PIECE, Velocity};
 use crate::scene::{Invalid, SceneSection, SectionError};
 
 /// Gravity, or whatever uniform acceleration the scene gives in its place.
-#[derive(Resource, Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Resource, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Gravity {
     /// g (m/s²) of the scene.
     pub full: DVec3,

@@ -20,6 +20,8 @@ pub struct PhysicsPlugin;
 impl Plugin for PhysicsPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<Divergence>().init_resource::<Gravity>();
+        // A run that has diverged ends: between two steps there is nothing to save.
+        app.register_rebuilt::<Divergence>().register_saved::<Gravity>();
         app.register_scene_section::<StateSettings>()
             .register_scene_section::<DensityDiffusion>()
             .register_scene_section::<StrainSettings>()

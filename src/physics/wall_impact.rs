@@ -55,7 +55,7 @@ impl SceneSection for WallImpact {
 }
 
 /// p^w (Pa) with which walls act on a fluid particle that is about to enter them, beside the pressure.
-#[derive(Component, Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct ImpactPressure(pub f64);
 
 /// The ghosts of walls, then of structures, as the numbering of rows has them.

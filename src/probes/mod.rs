@@ -48,6 +48,7 @@ pub struct ProbesPlugin;
 
 impl Plugin for ProbesPlugin {
     fn build(&self, app: &mut App) {
+        app.register_saved::<Series>().register_rebuilt::<ProbeRegistry>();
         ProbeRegistry::add_system::<Energy>(app);
         ProbeRegistry::add_system::<StructureLoad>(app);
         app.register_probe::<PressurePoint>("PressurePoint")

@@ -7,6 +7,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::{Series, SeriesField, State, StateParam};
+use crate::checkpoint::SavedState;
 use crate::error::UserError;
 use crate::outputs::{OutputKind, OutputTimes};
 use crate::scene::{Document, Invalid, Named, SceneFacts, SceneInfo, flatten};
@@ -14,7 +15,9 @@ use crate::schedule::{Output, OutputStage};
 
 /// Something that a scene asks to be measured: its parameters, and how the numbers follow from the state.
 ///
-/// What `prepare` finds out, and memory that `measure` reuses, are fields with `#[serde(skip)]`.
+/// What `prepare` finds out, and memory that `measure` reuses, are fields with `#[serde(skip)]`. A probe remembers nothing
+/// from one row to the next: a resumed run makes it anew. A sum over time is a resource or a component of its own, registered
+/// with [`register_saved`](crate::app::StoreggaApp::register_saved).
 pub trait Probe: Component<Mutability = Mutable> + Serialize + DeserializeOwned {
     /// What is measured, for the log.
     fn description(&self) -> String;
@@ -64,6 +67,7 @@ impl ProbeRegistry {
 
     /// Adds the system of the probe `P`, which scenes need not be able to name.
     pub(super) fn add_system<P: Probe>(app: &mut App) {
+        SavedState::register_rebuilt::<P>(app.world_mut());
         let mut registry = app.world_mut().get_resource_or_init::<Self>();
         registry.systems += 1;
         let order = registry.systems;

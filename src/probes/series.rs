@@ -1,9 +1,10 @@
 //! Series: what a run measures again and again, a row of numbers at a time.
 
 use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// One number of a series.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SeriesField {
     /// Name: the property in the log, and what `expect` calls it.
     pub name: String,
@@ -25,7 +26,7 @@ impl SeriesField {
 /// for it by its name: spawn one and [`push`](Series::push) rows in
 /// [`OutputStage::Measure`](crate::schedule::OutputStage::Measure), after [`ProbeSystems`](super::ProbeSystems), to log
 /// whatever a plugin measures.
-#[derive(Component, Debug, Clone, PartialEq)]
+#[derive(Component, Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Series {
     /// Name, unique in the run.
     pub name: String,

@@ -26,6 +26,7 @@ pub struct RheologyPlugin;
 
 impl Plugin for RheologyPlugin {
     fn build(&self, app: &mut App) {
+        app.register_rebuilt::<RheologyRegistry>();
         app.register_rheology::<Newtonian>("Newtonian").register_rheology::<HerschelBulkley>("HerschelBulkley");
     }
 }

@@ -3,6 +3,7 @@
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 use storegga::boundary::Load;
+use storegga::checkpoint::{check_state, restore_state, save_state};
 use storegga::neighbours::Neighbours;
 use storegga::particles::{Density, Fluid, ParticleId, Position, Pressure, Velocity, Viscosity};
 
@@ -89,5 +90,47 @@ fn threads_agree_on_two_phases_moving_walls_structures_and_periodic_sides() {
         let one = bits(&stream(dimension), 1, 300);
         assert!(one.windows(2).any(|pair| pair[0].0 > pair[1].0), "particles were never re-sorted");
         assert_eq!(one, bits(&stream(dimension), 2, 300), "{dimension}D");
+    }
+}
+
+/// A run to step `stop` whose state is put into a new world and goes on, against one that was not stopped: every bit.
+fn goes_on_like_before(scene: &str, stop: u64, end: u64) {
+    let mut straight = app(scene, &[]);
+    advance(straight.world_mut(), stop);
+    let saved = save_state(straight.world_mut()).expect("the state is saved");
+    assert!(straight.world().resource::<Neighbours>().builds > 3, "lists were hardly rebuilt");
+    check_state(straight.world()).unwrap_or_else(|forgotten| panic!("neither saved nor rebuilt: {forgotten:?}"));
+
+    let mut resumed = app(scene, &[]);
+    restore_state(resumed.world_mut(), &saved).expect("the state fits");
+    assert!(saved == save_state(resumed.world_mut()).expect("it is saved again"), "the state is not what was saved");
+    for app in [&mut straight, &mut resumed] {
+        advance(app.world_mut(), end - stop);
+    }
+    let [straight, resumed] = [straight, resumed].map(|mut app| save_state(app.world_mut()).expect("it is saved"));
+    assert!(straight != saved && straight == resumed, "the resumed run went another way");
+}
+
+#[test]
+fn a_restored_state_goes_on_with_the_same_bits() {
+    for dimension in [2, 3] {
+        // Between two builds of the lists, and wherever in the rhythm of re-sorting.
+        for stop in [60, 61, 62, 63, 64] {
+            goes_on_like_before(&stream(dimension), stop, 100);
+        }
+        goes_on_like_before(&collapse(dimension), 230, 300);
+    }
+}
+
+#[test]
+fn a_state_that_does_not_fit_is_refused() {
+    let saved = save_state(app(&stream(2), &[]).world_mut()).expect("the state is saved");
+    let refusal =
+        |scene: &str, bytes: &[u8]| restore_state(app(scene, &[]).world_mut(), bytes).expect_err("it is refused");
+    let other = refusal(&collapse(2), &saved);
+    assert!(other.contains("does not fit") && other.contains("places"), "{other}");
+    // No damage may panic, whether it is found or not: a checksum stands around this.
+    for k in (0..saved.len()).step_by(997) {
+        assert!(!refusal(&stream(2), &saved[..k]).is_empty());
     }
 }
