@@ -19,7 +19,7 @@ impl CsvTable {
     ///
     /// # Errors
     /// A file or a column that is missing, or the first row that is not one of finite numbers at a later time.
-    pub(super) fn read(path: &Path, time: &str, value: &str) -> Result<Self, Invalid> {
+    pub fn read(path: &Path, time: &str, value: &str) -> Result<Self, Invalid> {
         let refused = |error: csv::Error| unreadable(path, &error);
         let mut reader =
             csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_path(path).map_err(refused)?;
@@ -47,6 +47,12 @@ impl CsvTable {
             return Err(Invalid::new("file", format!("{} has no rows", path.display())));
         }
         Ok(Self { rows })
+    }
+
+    /// Time (s) and value of each row, in the order of time.
+    #[must_use]
+    pub fn rows(&self) -> &[(f64, f64)] {
+        &self.rows
     }
 
     /// Refuses rows at times at which a run from 0 to `end_time` (s) measures nothing.

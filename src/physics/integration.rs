@@ -23,7 +23,7 @@ pub(super) fn kick(clock: Res<Clock>, mut fluid: Query<(&mut Velocity, &Accelera
 }
 
 /// `x ← x + Δt v`.
-pub(super) fn drift(
+pub fn drift(
     clock: Res<Clock>,
     mut neighbours: ResMut<Neighbours>,
     mut fluid: Query<(&mut Position, &Velocity), With<Fluid>>,

@@ -22,6 +22,7 @@ pub use diffusion::{DensityDiffusion, density_diffusion};
 pub use equation_of_state::{EquationOfState, StateSettings};
 pub use ghost_pressure::ghost_pressure;
 pub use ghost_velocity::ghost_velocity;
+pub use integration::drift;
 pub use momentum::{Momentum, MomentumSettings, PairViscosity, momentum};
 pub use pair_kernel::pair_kernel;
 pub use plugin::PhysicsPlugin;

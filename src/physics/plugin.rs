@@ -4,11 +4,11 @@ use bevy_app::{App, Plugin};
 
 use super::body_force::{apply_body_force, ramp_gravity};
 use super::equation_of_state::advance_state;
-use super::integration::{drift, kick};
+use super::integration::kick;
 use super::time_step::next_time_step;
 use super::{
     DensityDiffusion, Divergence, Gravity, ImpactPressure, MomentumSettings, Settling, StateSettings, StrainSettings,
-    TimeStepSettings, WallImpact, density_diffusion, density_rate, ghost_pressure, ghost_velocity, momentum,
+    TimeStepSettings, WallImpact, density_diffusion, density_rate, drift, ghost_pressure, ghost_velocity, momentum,
     pair_kernel, strain_rate, wall_impact,
 };
 use crate::app::StoreggaApp;

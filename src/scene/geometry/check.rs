@@ -55,7 +55,10 @@ fn belongs_to(own: usize, scene: usize, name: &str, instead: &str) -> Result<(),
 }
 
 /// Refuses coordinates, of a place or of any other vector, that are not as many as the scene has dimensions.
-pub(crate) fn coordinates(point: Point, dimension: usize) -> Result<(), Invalid> {
+///
+/// # Errors
+/// Another number of coordinates than `dimension`, 2 or 3.
+pub fn coordinates(point: Point, dimension: usize) -> Result<(), Invalid> {
     let expected = if dimension == 2 { "2 numbers (x, y)" } else { "3 numbers (x, y, z)" };
     if point.dimension() != dimension {
         return Err(Invalid::new("", format!("found {} numbers, expected {expected}", point.dimension())));

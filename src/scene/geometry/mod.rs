@@ -19,7 +19,7 @@ mod shape;
 mod test_support;
 
 pub use body::{SolidParticle, solid_particles};
-pub(crate) use check::coordinates;
+pub use check::coordinates;
 pub use fill::{LatticeIndex, LatticePoint, lattice};
 pub use layers::{Side, ghost_layers};
 pub use point::Point;
