@@ -3,18 +3,19 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use storegga::app::{PaperPlugins, open};
+use storegga::app::open;
 use storegga::kernels::KernelRegistry;
 use storegga::probes::ProbeRegistry;
 use storegga::rheology::RheologyRegistry;
 use storegga::scene::{SceneFacts, open_document};
+use storegga_standard::StandardPlugins;
 
 /// Sections in which the second part of a path is a name that the author of the scene chose.
-const NAMED: [&str; 4] = ["phases", "walls", "structures", "probes"];
+const NAMED: [&str; 5] = ["phases", "walls", "structures", "probes", "relaxation_zones"];
 
 #[test]
 fn every_field_and_name_is_documented() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let page = std::fs::read_to_string(root.join("docs/scene.md")).expect("the page is there");
     let mut words = BTreeSet::new();
     for entry in std::fs::read_dir(root.join("scenes")).expect("scenes are there").filter_map(Result::ok) {
@@ -23,7 +24,7 @@ fn every_field_and_name_is_documented() {
             continue;
         }
         let document = open_document(&path, &[]).unwrap_or_else(|error| panic!("{}", error.render(false)));
-        let app = open(PaperPlugins, document).unwrap_or_else(|error| panic!("{}", error.render(false)));
+        let app = open(StandardPlugins, document).unwrap_or_else(|error| panic!("{}", error.render(false)));
         for (path, _) in &app.world().resource::<SceneFacts>().parameters {
             let parts: Vec<&str> = path.split('.').collect();
             let chosen = NAMED.contains(&parts[0]);

@@ -2,6 +2,7 @@
 
 use bevy_app::{PluginGroup, PluginGroupBuilder};
 use storegga::app::PaperPlugins;
+use storegga_flow::FlowPlugin;
 
 /// Everything that the program `storegga` knows: the paper's physics and the plugins shipped beside it.
 #[derive(Debug, Clone, Copy, Default)]
@@ -9,6 +10,6 @@ pub struct StandardPlugins;
 
 impl PluginGroup for StandardPlugins {
     fn build(self) -> PluginGroupBuilder {
-        PluginGroupBuilder::start::<Self>().add_group(PaperPlugins)
+        PluginGroupBuilder::start::<Self>().add_group(PaperPlugins).add(FlowPlugin)
     }
 }

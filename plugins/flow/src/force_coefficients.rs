@@ -1,0 +1,85 @@
+//! Drag and lift coefficients.
+
+use bevy_ecs::prelude::*;
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+use storegga::boundary::{Body, Structure};
+use storegga::probes::{Probe, SeriesField, State};
+use storegga::scene::geometry::{Point, coordinates};
+use storegga::scene::{Invalid, Resolution, unknown};
+
+/// Force of the fluid on a structure, without dimension: `C = F/(½ ρ U² A)`, with the frontal area A = D × length of the
+/// structure in 2D (1 m where it has none).
+#[derive(Component, Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ForceCoefficients {
+    /// Name of the structure.
+    pub structure: String,
+    /// Velocity U (m/s) of the flow; drag is along it, lift across it (to its left in 2D; in 3D all that is not drag).
+    pub velocity: Point,
+    /// Density ρ (kg/m³) of the fluid.
+    pub density: f64,
+    /// Frontal width D (m) in 2D, frontal area A (m²) in 3D.
+    pub frontal: f64,
+}
+
+impl Probe for ForceCoefficients {
+    fn description(&self) -> String {
+        format!("force coefficients of the structure `{}`", self.structure)
+    }
+
+    fn fields(&self) -> Vec<SeriesField> {
+        [
+            ("drag", "force along the flow over ½ρU²A"),
+            ("lift", "force across the flow over ½ρU²A"),
+            ("pressure_drag", "part of the drag from the pressure"),
+            ("viscous_drag", "part of the drag from the viscous stress"),
+            ("pressure_lift", "part of the lift from the pressure"),
+            ("viscous_lift", "part of the lift from the viscous stress"),
+        ]
+        .map(|(name, meaning)| SeriesField::new(name, "", meaning))
+        .into()
+    }
+
+    fn prepare(&mut self, world: &mut World) -> Result<(), Invalid> {
+        let dimension = world.resource::<Resolution>().dimension;
+        coordinates(self.velocity, dimension).map_err(|wrong| wrong.under("velocity"))?;
+        if self.velocity.position() == DVec3::ZERO {
+            return Err(Invalid::new("velocity", "must not be the null vector"));
+        }
+        let area = if dimension == 2 { "m" } else { "m²" };
+        for (name, value, unit) in [("density", self.density, "kg/m³"), ("frontal", self.frontal, area)] {
+            if value <= 0.0 {
+                return Err(Invalid::new(name, format!("must be greater than 0, got {value} {unit}")));
+            }
+        }
+        let mut bodies = world.query_filtered::<&Body, With<Structure>>();
+        let known: Vec<&str> = bodies.iter(world).map(|body| body.name.as_str()).collect();
+        if known.contains(&self.structure.as_str()) {
+            return Ok(());
+        }
+        Err(unknown("structure", "structure", &self.structure, known))
+    }
+
+    fn measure(&mut self, state: &State<'_>, row: &mut [f64]) {
+        let Some((_, structure, load)) = state.structures.iter().find(|(body, ..)| body.name == self.structure) else {
+            return;
+        };
+        let (u, plane) = (self.velocity.position(), state.resolution.dimension == 2);
+        let along = u.normalize();
+        let scale = 0.5 * self.density * u.length_squared() * self.frontal * structure.length;
+        let drag = |force: DVec3| force.dot(along) / scale;
+        // The lift of a part is its component along the lift of the whole, so that the parts add up.
+        let across = if plane { DVec3::Z.cross(along) } else { load.force().reject_from(along).normalize_or_zero() };
+        let lift = |force: DVec3| force.dot(across) / scale;
+        let (pressure, viscous) = (load.pressure_force, load.viscous_force);
+        row.copy_from_slice(&[
+            drag(load.force()),
+            lift(load.force()),
+            drag(pressure),
+            drag(viscous),
+            lift(pressure),
+            lift(viscous),
+        ]);
+    }
+}

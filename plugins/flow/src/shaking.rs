@@ -1,0 +1,140 @@
+//! Seismic shaking from a tabulated accelerogram.
+//!
+//! The scene is seen from the ground, which moves with the acceleration a(t). In this frame every fluid particle feels the
+//! inertial force −a(t) per mass, so that gravity is `g(t) = g − a(t)` wherever it stands in the equations: in the momentum
+//! equation, in the pressure of ghosts (Eq. 15) and in the hydrostatic correction of the diffusion of density. A closed tank that
+//! has come to rest relative to the ground so has the pressure ∇p = ρ (g − a), and a particle that touches nothing falls
+//! with x'' = g − a(t). Walls and structures that do not move are fixed to the ground; motions that they have are relative
+//! to it.
+//!
+//! `a(t) = scale Σ_k a_k(t) e_k`: each column of the file goes along a direction e_k (a unit vector), linear in time between
+//! its rows; before the first row and after the last the ground is not accelerated.
+
+use std::path::Path;
+
+use bevy_ecs::prelude::*;
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+use storegga::clock::Clock;
+use storegga::expect::CsvTable;
+use storegga::physics::Gravity;
+use storegga::scene::geometry::{Point, coordinates};
+use storegga::scene::{Invalid, Resolution, SceneInfo, SceneSection, SectionError};
+
+/// How the ground shakes: section `shaking` of a scene.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Shaking {
+    /// Not at all.
+    #[default]
+    Off,
+    /// As recorded.
+    Accelerogram {
+        /// CSV file, seen from the file of the scene: a line of names, then a row a time; lines that begin with `#` are skipped.
+        file: String,
+        /// Name of the column of times (s).
+        time: String,
+        /// Columns of acceleration (m/s²).
+        columns: Vec<AccelerogramColumn>,
+        /// Factor by which accelerations are multiplied.
+        #[serde(default = "one")]
+        scale: f64,
+    },
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+/// A column of an accelerogram.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AccelerogramColumn {
+    /// Its name.
+    pub name: String,
+    /// Direction of the ground's acceleration; only its direction counts.
+    pub direction: Point,
+}
+
+/// Acceleration a(t) of the ground: columns with their unit vectors, and the factor.
+#[derive(Resource, Debug, Clone, Default, PartialEq)]
+pub struct Accelerogram {
+    columns: Vec<(DVec3, CsvTable)>,
+    scale: f64,
+}
+
+impl SceneSection for Shaking {
+    const NAME: &'static str = "shaking";
+
+    fn when_absent() -> Option<Self> {
+        Some(Self::Off)
+    }
+
+    fn check(&self, world: &World) -> Result<(), Invalid> {
+        let Self::Accelerogram { columns, .. } = self else { return Ok(()) };
+        if columns.is_empty() {
+            return Err(Invalid::new("columns", "name at least one column of acceleration"));
+        }
+        let dimension = world.resource::<Resolution>().dimension;
+        columns.iter().enumerate().try_for_each(|(k, column)| {
+            let path = format!("columns.{k}.direction");
+            coordinates(column.direction, dimension).map_err(|wrong| wrong.under(&path))?;
+            match column.direction.position().try_normalize() {
+                Some(_) => Ok(()),
+                None => Err(Invalid::new(path, "must not be the null vector")),
+            }
+        })
+    }
+
+    fn spawn(self, world: &mut World) -> Result<(), SectionError> {
+        let Self::Accelerogram { file, time, columns, scale } = self else { return Ok(()) };
+        let scene = Path::new(&world.resource::<SceneInfo>().file);
+        let path = scene.parent().unwrap_or(Path::new("")).join(file);
+        let read = |(k, column): (usize, AccelerogramColumn)| {
+            let table = CsvTable::read(&path, &time, &column.name).map_err(|wrong| match wrong.path.as_str() {
+                "value" => Invalid { path: format!("columns.{k}.name"), ..wrong },
+                _ => wrong,
+            })?;
+            Ok((column.direction.position().normalize(), table))
+        };
+        let columns = columns.into_iter().enumerate().map(read).collect::<Result<_, Invalid>>()?;
+        world.insert_resource(Accelerogram { columns, scale });
+        Ok(())
+    }
+}
+
+impl Accelerogram {
+    /// a (m/s²) at time t (s).
+    #[must_use]
+    pub fn at(&self, t: f64) -> DVec3 {
+        self.columns.iter().map(|(direction, table)| *direction * linear(table.rows(), t)).sum::<DVec3>() * self.scale
+    }
+}
+
+/// Value at time t of rows (time, value) joined by straight lines; 0 before the first and after the last.
+fn linear(rows: &[(f64, f64)], t: f64) -> f64 {
+    let k = rows.partition_point(|(time, _)| *time < t);
+    match (k.checked_sub(1).and_then(|k| rows.get(k)), rows.get(k)) {
+        (_, Some(&(t1, a1))) if t1 == t => a1,
+        (Some(&(t0, a0)), Some(&(t1, a1))) => a0 + (a1 - a0) * (t - t0) / (t1 - t0),
+        _ => 0.0,
+    }
+}
+
+/// Takes the acceleration of the ground from the gravity of the step in progress.
+pub fn shake(clock: Res<Clock>, accelerogram: Res<Accelerogram>, mut gravity: ResMut<Gravity>) {
+    gravity.now -= accelerogram.at(clock.time);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_joined_by_lines_and_the_ground_rests_outside() {
+        let rows = [(1.0, 2.0), (2.0, -2.0), (4.0, 6.0)];
+        for (t, a) in [(0.999, 0.0), (1.0, 2.0), (1.5, 0.0), (2.0, -2.0), (2.5, 0.0), (4.0, 6.0), (4.001, 0.0)] {
+            assert!((linear(&rows, t) - a).abs() < 1e-14, "at {t}");
+        }
+    }
+}
