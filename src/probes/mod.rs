@@ -15,6 +15,7 @@ mod parameters;
 mod pressure_error;
 mod pressure_point;
 mod probe;
+mod rigid_rotation;
 mod section;
 mod series;
 mod state;
@@ -33,6 +34,7 @@ pub use interface::Interface;
 pub use pressure_error::HydrostaticError;
 pub use pressure_point::PressurePoint;
 pub use probe::{Probe, ProbeRegistry, ProbeSystems};
+pub use rigid_rotation::RigidRotationError;
 pub use section::ProbesSection;
 pub use series::{Series, SeriesField};
 pub use state::{FluidColumns, State, StateParam, Structures};
@@ -59,6 +61,7 @@ impl Plugin for ProbesPlugin {
             .register_probe::<ChannelError>("ChannelError")
             .register_probe::<DensityError>("DensityError")
             .register_probe::<Interface>("Interface")
+            .register_probe::<RigidRotationError>("RigidRotationError")
             .register_scene_section::<ProbesSection>();
     }
 }

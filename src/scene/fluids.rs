@@ -7,7 +7,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::columns::Depths;
-use super::geometry::{LatticeIndex, Point, Shape, coordinates, lattice};
+use super::geometry::{LatticeIndex, Point, RigidRotation, Shape, coordinates, corners, lattice};
 use super::limits::limit_particles;
 use super::{Invalid, Resolution, SceneFacts, SceneInfo, SceneSection, SectionError};
 use crate::boundary::{Body, BodyShape, Motion, Structure, body_shapes};
@@ -32,9 +32,30 @@ pub struct FluidSpec {
     /// Velocity (m/s) at the start; `None` for rest.
     #[serde(default)]
     pub velocity: Option<Point>,
+    /// Rigid rotation at the start, besides; `None` for none.
+    #[serde(default)]
+    pub rotation: Option<RigidRotation>,
     /// Pressure at the start.
     #[serde(default)]
     pub pressure: InitialPressure,
+}
+
+impl FluidSpec {
+    /// Velocity (m/s) at the start of what is at `x` (m).
+    fn velocity_at(&self, x: DVec3) -> DVec3 {
+        let turning = self.rotation.map_or(DVec3::ZERO, |rotation| rotation.velocity(x));
+        self.velocity.map_or(DVec3::ZERO, Point::position) + turning
+    }
+
+    /// ½ ρ0 ω² r² (Pa) at `x` (m), of its rotation.
+    fn centrifugal_pressure(&self, rho0: f64, x: DVec3) -> f64 {
+        self.rotation.map_or(0.0, |rotation| 0.5 * rho0 * (rotation.rate * rotation.radius(x)).powi(2))
+    }
+
+    /// Greatest speed (m/s) at the start in the box around its shape: that of a corner.
+    fn greatest_speed(&self) -> f64 {
+        corners(self.shape.bounds()).map(|x| self.velocity_at(x).length()).fold(0.0, f64::max)
+    }
 }
 
 /// Pressure of a fluid at the start; its density follows from Eq. 7, and the mass of a particle from its density, so
@@ -47,6 +68,9 @@ pub enum InitialPressure {
     Hydrostatic,
     /// One value above the background pressure (Pa).
     Uniform(f64),
+    /// That of the fluid's own `rotation`: this value above the background pressure (Pa) on the axis, and ½ ρ0 ω² r² more at a
+    /// distance r from it.
+    Centrifugal(f64),
 }
 
 /// What was filled: shape and reference density (kg/m³) of each fluid, for exact solutions.
@@ -92,6 +116,11 @@ impl SceneSection for FluidsSection {
             if let Some(velocity) = fluid.velocity {
                 coordinates(velocity, dimension).map_err(|invalid| invalid.under(&format!("{k}.velocity")))?;
             }
+            if let Some(rotation) = &fluid.rotation {
+                rotation.check(dimension).map_err(|invalid| invalid.under(&format!("{k}.rotation")))?;
+            } else if matches!(fluid.pressure, InitialPressure::Centrifugal(_)) {
+                return Err(Invalid::new(format!("{k}.pressure"), "`Centrifugal` needs a `rotation` of the fluid"));
+            }
         }
         Ok(())
     }
@@ -118,6 +147,9 @@ impl SceneSection for FluidsSection {
             let (phase, rho0) = &kinds[seed.fluid];
             let p = match (spec.pressure, &depths) {
                 (InitialPressure::Uniform(p), _) => p + state.background_pressure,
+                (InitialPressure::Centrifugal(p), _) => {
+                    p + state.background_pressure + spec.centrifugal_pressure(*rho0, seed.position)
+                }
                 (InitialPressure::Hydrostatic, Some(depths)) => depths.pressure(seed, &state),
                 (InitialPressure::Hydrostatic, None) => {
                     let message =
@@ -137,7 +169,7 @@ impl SceneSection for FluidsSection {
             particles.push((
                 Fluid,
                 (ParticleId(id as u32), PhaseIndex(phase.index), Position(seed.position)),
-                Velocity(spec.velocity.map_or(DVec3::ZERO, Point::position)),
+                Velocity(spec.velocity_at(seed.position)),
                 (ReferenceDensity(*rho0), Density(rho), Mass(rho * volume), Pressure(p)),
             ));
         }
@@ -275,8 +307,7 @@ fn choose_state(
     let settings = *world.resource::<StateSettings>();
     let densities: Vec<f64> = phases(world).into_iter().map(|(_, rho0)| rho0).collect();
     let (depth_pressure, height) = depths.map_or((0.0, 0.0), Depths::extremes);
-    let start_speed =
-        fluids.iter().filter_map(|fluid| fluid.velocity).map(|v| v.position().length()).fold(0.0, f64::max);
+    let start_speed = fluids.iter().map(FluidSpec::greatest_speed).fold(0.0, f64::max);
     let wall_speed = greatest_wall_speed(world);
     let dam_break_speed = 2.0 * (world.resource::<Gravity>().full.length() * height).sqrt();
     let max_pressure = settings.max_pressure.unwrap_or(depth_pressure);

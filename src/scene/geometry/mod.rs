@@ -13,6 +13,7 @@ mod layers;
 mod point;
 mod polygon;
 mod rings;
+mod rotation;
 mod rows;
 mod shape;
 #[cfg(test)]
@@ -23,4 +24,6 @@ pub use check::coordinates;
 pub use fill::{LatticeIndex, LatticePoint, lattice};
 pub use layers::{Side, ghost_layers};
 pub use point::Point;
+pub use rotation::RigidRotation;
+pub(crate) use rotation::{check_axis, corners, unit_axis};
 pub use shape::{Axis, Shape};
