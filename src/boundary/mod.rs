@@ -18,7 +18,8 @@ use bevy_ecs::prelude::*;
 
 use crate::app::StoreggaApp;
 use crate::particles::{
-    BodyIndex, ForceOnParticle, GhostVelocity, PeriodShift, RestPosition, Slip, Volume, WallAcceleration, WallVelocity,
+    BodyIndex, ForceOnParticle, GhostVelocity, PeriodShift, RestPosition, Slip, Volume, WallAcceleration,
+    WallAngularVelocity, WallVelocity,
 };
 use crate::schedule::Stage;
 
@@ -39,6 +40,7 @@ impl Plugin for BoundaryPlugin {
             .register_saved::<PeriodShift>()
             .register_saved::<WallVelocity>()
             .register_saved::<WallAcceleration>()
+            .register_saved::<WallAngularVelocity>()
             .register_saved::<GhostVelocity>()
             .register_saved::<ForceOnParticle>()
             .register_saved::<Load>();

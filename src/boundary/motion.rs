@@ -13,9 +13,11 @@ use serde::{Deserialize, Serialize};
 use super::Body;
 use crate::clock::Clock;
 use crate::neighbours::Neighbours;
-use crate::particles::{BodyIndex, GRAIN, PIECE, Position, RestPosition, Solid, Wall, WallAcceleration, WallVelocity};
+use crate::particles::{
+    BodyIndex, GRAIN, PIECE, Position, RestPosition, Solid, Wall, WallAcceleration, WallAngularVelocity, WallVelocity,
+};
 use crate::scene::Invalid;
-use crate::scene::geometry::{Point, coordinates};
+use crate::scene::geometry::{Point, check_axis, coordinates, corners, unit_axis};
 
 /// How a body moves.
 #[derive(Component, Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -93,6 +95,12 @@ impl Kinematics {
         let turn = self.axis.cross(arm);
         (self.center + arm + d, rate * turn + d1, acceleration * turn + rate * rate * self.axis.cross(turn) + d2)
     }
+
+    /// Angular velocity θ' e (rad/s).
+    #[must_use]
+    pub fn angular_velocity(&self) -> DVec3 {
+        self.angle[1] * self.axis
+    }
 }
 
 impl Motion {
@@ -101,14 +109,6 @@ impl Motion {
     /// # Errors
     /// The first wrong value.
     pub fn check(&self, dimension: usize) -> Result<(), Invalid> {
-        let axis_of = |axis: &Option<Point>| match axis {
-            Some(_) if dimension == 2 => Err(Invalid::new("axis", "in 2D the axis is (0, 0, 1): leave it out")),
-            Some(axis) if axis.position().try_normalize().is_none() => {
-                Err(Invalid::new("axis", "must be a vector of finite length greater than 0"))
-            }
-            None if dimension == 3 => Err(Invalid::new("", "a rotation in 3D needs an `axis`")),
-            _ => Ok(()),
-        };
         match self {
             Self::Still => Ok(()),
             Self::Translation { velocity, from, until } => {
@@ -125,11 +125,11 @@ impl Motion {
             }
             Self::Rotation { center, axis, .. } => {
                 coordinates(*center, dimension).map_err(|invalid| invalid.under("center"))?;
-                axis_of(axis)
+                check_axis(*axis, dimension)
             }
             Self::Table { center, axis, rows } => {
                 coordinates(*center, dimension).map_err(|invalid| invalid.under("center"))?;
-                axis_of(axis)?;
+                check_axis(*axis, dimension)?;
                 if rows.len() < 2 {
                     return Err(Invalid::new("rows", "a table needs at least 2 rows"));
                 }
@@ -163,17 +163,15 @@ impl Motion {
     /// Greatest speed (m/s) up to `end_time` (s) of any point in the box from `low` to `high` (m), which moves along: the
     /// greatest of its corners at a thousand times.
     #[must_use]
-    pub fn greatest_speed(&self, (low, high): (DVec3, DVec3), end_time: f64) -> f64 {
-        let corner = |k: usize| DVec3::select(glam::BVec3::new(k & 1 != 0, k & 2 != 0, k & 4 != 0), high, low);
+    pub fn greatest_speed(&self, bounds: (DVec3, DVec3), end_time: f64) -> f64 {
         let kinematics = (0..=1000).filter_map(|k| self.at(end_time * f64::from(k) / 1000.0));
-        let speed = |moved: Kinematics| (0..8).map(|k| moved.of(corner(k)).1.length()).fold(0.0, f64::max);
+        let speed = |moved: Kinematics| corners(bounds).map(|x| moved.of(x).1.length()).fold(0.0, f64::max);
         kinematics.map(speed).fold(0.0, f64::max)
     }
 
     /// Where the body is at time t (s), or `None` if it never moves.
     #[must_use]
     pub fn at(&self, t: f64) -> Option<Kinematics> {
-        let unit = |axis: &Option<Point>| axis.map_or(DVec3::Z, |axis| axis.position().normalize());
         match self {
             Self::Still => None,
             Self::Translation { velocity, from, until } => {
@@ -186,13 +184,13 @@ impl Motion {
             }
             Self::Rotation { center, axis, rate } => Some(Kinematics {
                 center: center.position(),
-                axis: unit(axis),
+                axis: unit_axis(*axis),
                 angle: [rate * t, *rate, 0.0],
                 ..Kinematics::default()
             }),
             Self::Table { center, axis, rows } => {
                 let (displacement, angle) = table_at(rows, t);
-                Some(Kinematics { center: center.position(), axis: unit(axis), displacement, angle })
+                Some(Kinematics { center: center.position(), axis: unit_axis(*axis), displacement, angle })
             }
         }
     }
@@ -243,6 +241,7 @@ type Moved = (
     &'static mut Position,
     &'static mut WallVelocity,
     &'static mut WallAcceleration,
+    &'static mut WallAngularVelocity,
 );
 
 /// Puts the particles of every moving body where it is at the end of the step.
@@ -274,16 +273,17 @@ fn move_particles<F: ArchetypeFilter>(
     particles: &mut Query<Moved, F>,
 ) -> Result<f64> {
     let mut farthest: f64 = 0.0;
-    for (index, rest, mut x, mut v, mut a) in particles.contiguous_iter_mut()? {
-        let columns =
-            (index, rest, x.bypass_change_detection(), v.bypass_change_detection(), a.bypass_change_detection());
-        let distance = columns.into_par_iter().with_min_len(GRAIN).with_max_len(PIECE).map(|(index, rest, x, v, a)| {
+    for (index, rest, mut x, mut v, mut a, mut omega) in particles.contiguous_iter_mut()? {
+        let moving = (x.bypass_change_detection(), v.bypass_change_detection(), a.bypass_change_detection());
+        let columns = (index, rest, moving.0, moving.1, moving.2, omega.bypass_change_detection());
+        let particles = columns.into_par_iter().with_min_len(GRAIN).with_max_len(PIECE);
+        let distance = particles.map(|(index, rest, x, v, a, omega)| {
             if index.0 != body {
                 return 0.0;
             }
             let (position, velocity, acceleration) = kinematics.of(rest.0);
             let moved = position.distance_squared(x.0);
-            (x.0, v.0, a.0) = (position, velocity, acceleration);
+            (x.0, v.0, a.0, omega.0) = (position, velocity, acceleration, kinematics.angular_velocity());
             moved
         });
         farthest = farthest.max(distance.reduce(|| 0.0, f64::max).sqrt());

@@ -43,6 +43,7 @@ pub struct Solid;
     PeriodShift,
     WallVelocity,
     WallAcceleration,
+    WallAngularVelocity,
     GhostVelocity,
     Volume,
     Density,
@@ -119,6 +120,10 @@ pub struct WallVelocity(pub DVec3);
 /// Acceleration a_w (m/s²) with which a ghost particle moves with its body.
 #[derive(Component, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct WallAcceleration(pub DVec3);
+
+/// Angular velocity ω_w (rad/s) with which the body of a ghost particle turns.
+#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct WallAngularVelocity(pub DVec3);
 
 /// Velocity v_b (m/s) that the fluid feels in ∇v and in the viscous force (Eq. 16).
 #[derive(Component, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]

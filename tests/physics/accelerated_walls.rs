@@ -3,7 +3,7 @@
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 use storegga::app::{StopFlag, run};
-use storegga::particles::{Fluid, Position, Pressure, Velocity, Wall, WallAcceleration};
+use storegga::particles::{Fluid, GhostVelocity, Position, Pressure, Velocity, Wall, WallAcceleration};
 
 use crate::support::{app, evaluate, press, tank};
 
@@ -74,4 +74,41 @@ fn oil_in_an_accelerated_tank_is_pushed_by_the_wall_behind_it() {
     let slope = products / squares;
     assert!((slope / -5000.0 - 1.0).abs() < 0.05, "{slope} Pa/m, exact −5000 Pa/m");
     assert!((speed / count - 5.0 * time).abs() < 0.02 * 5.0 * time, "{} m/s", speed / count);
+}
+
+/// A drum full of oil that turns with it like a rigid body, at its start.
+const DRUM: &str = r#"Scene(
+    dimension: 2, spacing: 0.05, gravity: (0.0, 0.0), end_time: 1.0, equation_of_state: (max_speed: 20.0),
+    phases: { "oil": (reference_density: 1000.0, rheology: Newtonian(viscosity: 20.0)) },
+    fluids: [(
+        phase: "oil",
+        shape: Circle(center: (0.2, -0.1), radius: 1.0),
+        rotation: (center: (0.2, -0.1), rate: 3.0),
+        pressure: Centrifugal(100.0),
+    )],
+    walls: { "drum": (
+        shape: Circle(center: (0.2, -0.1), radius: 1.0),
+        motion: Rotation(center: (0.2, -0.1), rate: 3.0),
+    ) },
+)"#;
+
+/// With a_w of the ghosts alone, Eq. 15 adds up to 1/2 ρ ω² (3h)² to their pressure, 146 Pa; with 2 v_w − ⟨v_f⟩ alone, Eq. 16 makes
+/// them up to 0.5 m/s too fast.
+#[test]
+fn a_drum_continues_the_rigid_rotation_of_its_fluid() {
+    let mut app = app(DRUM, &[]);
+    let world = app.world_mut();
+    evaluate(world);
+    let arm = |x: DVec3| x - DVec3::new(0.2, -0.1, 0.0);
+    let mut wet = 0;
+    for (x, p, v) in world.query_filtered::<(&Position, &Pressure, &GhostVelocity), With<Wall>>().iter(world) {
+        if p.0 != 0.0 {
+            wet += 1;
+            let (pressure, velocity) = (100.0 + 4500.0 * arm(x.0).length_squared(), 3.0 * DVec3::Z.cross(arm(x.0)));
+            // The fluid is compressed by up to p/B = 1e-4, and so is the sum with ρ_f.
+            assert!((p.0 - pressure).abs() < 1.0, "at {}: {} Pa, exact {pressure} Pa", x.0, p.0);
+            assert!(v.0.distance(velocity) < 1e-12, "at {}: {} m/s, exact {velocity} m/s", x.0, v.0);
+        }
+    }
+    assert!(wet > 200, "only {wet} ghosts compared");
 }
