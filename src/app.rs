@@ -11,7 +11,7 @@ use bevy_ecs::system::ScheduleSystem;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use crate::checkpoint::SavedState;
+use crate::checkpoint::{Checkpoints, SavedState, write_if_due, write_last};
 use crate::clock::Clock;
 use crate::error::UserError;
 use crate::failure;
@@ -25,7 +25,7 @@ use crate::physics::{Divergence, DivergenceReport, EquationOfState};
 use crate::probes::{Probe, ProbeRegistry};
 use crate::rheology::{FlowCurve, Rheology, RheologyRegistry, apply_flow_curve};
 use crate::scene::{
-    Document, Resolution, SceneDocument, SceneFacts, SceneInfo, SceneSection, SectionRegistry, load_scene,
+    Document, Resolution, SceneDocument, SceneFacts, SceneFiles, SceneInfo, SceneSection, SectionRegistry, load_scene,
 };
 use crate::schedule::{self, Output, Stage, Stages, Step};
 
@@ -190,7 +190,10 @@ impl Plugin for FrameworkPlugin {
         schedule::init(app);
         app.init_resource::<Clock>().init_resource::<OutputTimes>();
         app.register_saved::<Clock>().register_saved::<OutputTimes>();
+        app.init_resource::<SceneFiles>();
         app.register_rebuilt::<SavedState>()
+            .register_rebuilt::<Checkpoints>()
+            .register_rebuilt::<SceneFiles>()
             .register_rebuilt::<ParticleColumns>()
             .register_rebuilt::<KernelRegistry>()
             .register_rebuilt::<SmoothingKernel>()
@@ -306,6 +309,7 @@ pub fn run(world: &mut World, end_time: f64, stop: &StopFlag, mut watch: impl Fn
     }
     while world.resource::<Clock>().time < end_time {
         if stop.is_set() {
+            write_last(world);
             return End::Interrupted;
         }
         let target = world.resource::<OutputTimes>().next().min(end_time);
@@ -321,7 +325,9 @@ pub fn run(world: &mut World, end_time: f64, stop: &StopFlag, mut watch: impl Fn
         if let Err(end) = write_outputs(world) {
             return end;
         }
+        write_if_due(world);
     }
+    write_last(world);
     End::Done
 }
 

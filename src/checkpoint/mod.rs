@@ -9,8 +9,14 @@
 //! There is no random number in the program. A plugin that draws some keeps its generator in a resource that it registers
 //! as saved.
 
+mod file;
+mod resume;
 mod state;
+mod write;
 
+pub use file::{About, Checkpoint, Origin};
 pub use state::{check_state, restore_state, save_state};
+pub use write::{Checkpoints, start_checkpoints};
 
 pub(crate) use state::{SavedState, decode, encode};
+pub(crate) use write::{write_if_due, write_last};

@@ -27,6 +27,8 @@ pub(super) struct Arguments {
 pub(super) enum Command {
     /// Run a scene and write its log.
     Run(RunArgs),
+    /// Go on with a run that was stopped, from its last checkpoint.
+    Resume(ResumeArgs),
     /// Say what a run of a scene would be like, without running it.
     Check(CheckArgs),
     /// Run scenes and compare them with their expectations.
@@ -44,6 +46,11 @@ Examples:
   storegga run scenes/two_phase_tank.ron --set spacing=0.008 --until 0.5
   storegga run scenes/two_phase_tank.ron --set phases.mud.rheology.yield_stress=500 --out runs/stiff.mcap
   storegga run scenes/two_phase_tank.ron --json | jq .updates_per_s
+  storegga run scenes/submarine_slide.ron --checkpoint-every 0.1
+  storegga run scenes/submarine_slide.ron --checkpoint-every-wall 600
+
+With either of the last two, runs/submarine_slide.checkpoint always holds a state from which `storegga resume` goes on.
+Checkpoints change nothing in the results.
 
 The log is an MCAP file: Foxglove opens it, and so does every MCAP library.
 docs/scene.md is the page of all fields of a scene, with their units and defaults.")]
@@ -58,6 +65,40 @@ pub(super) struct RunArgs {
     /// Log file; by default runs/<scene>.mcap. Its folder is made if it does not exist.
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
+    /// Write a checkpoint after every so many seconds of simulated time, beside the log: runs/<scene>.checkpoint.
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = positive_seconds)]
+    pub checkpoint_every: Option<f64>,
+    /// Write a checkpoint after every so many seconds of real time; goes together with the other one.
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = positive_seconds)]
+    pub checkpoint_every_wall: Option<f64>,
+    #[command(flatten)]
+    pub threads: Threads,
+    /// Print one JSON object to standard output, and nothing else there.
+    #[arg(long)]
+    pub json: bool,
+    /// No progress and no summary; errors and failed expectations still go to standard error.
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+/// Arguments of `storegga resume`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  storegga run scenes/submarine_slide.ron --checkpoint-every 0.1      (killed, or the power failed)
+  storegga resume runs/submarine_slide.checkpoint
+
+The run goes on to its end with the same bits as if it had not been stopped, with any number of threads, and goes on writing
+checkpoints. Its log is continued in its place: messages of the old log that are later than the checkpoint are dropped, for the
+run computes them again; the old log stays until everything up to the checkpoint is copied. Expectations are checked over the
+whole run.
+
+Refused, with the reason: a checkpoint that is damaged, cut off, or of another version of the program or other plugins; a scene,
+or a file that it reads, that has changed; a log that is gone or belongs to another run.
+docs/restart.md tells the whole story.")]
+pub(super) struct ResumeArgs {
+    /// Checkpoint, as `storegga run --checkpoint-every` writes it.
+    pub checkpoint: PathBuf,
     #[command(flatten)]
     pub threads: Threads,
     /// Print one JSON object to standard output, and nothing else there.

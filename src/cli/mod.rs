@@ -1,4 +1,4 @@
-//! The command line: what `storegga run`, `check`, `test`, `scenes` and `recover` do.
+//! The command line: what `storegga run`, `resume`, `check`, `test`, `scenes` and `recover` do.
 //!
 //! [`main`] is the whole program for any set of plugins, so that a program of one's own with further plugins is
 //! `fn main() -> ExitCode { storegga::cli::main(|| MyPlugins) }`.
@@ -11,6 +11,7 @@ mod json;
 mod number;
 mod progress;
 mod recover;
+mod resume;
 mod run;
 mod scenes;
 mod simulate;
@@ -32,6 +33,7 @@ pub fn main<P: PluginGroup>(plugins: fn() -> P) -> ExitCode {
     exit::explain_panics();
     let done = match Arguments::parse().command {
         Command::Run(args) => run::run(&args, plugins),
+        Command::Resume(args) => resume::resume(&args, plugins),
         Command::Check(args) => check::check(&args, plugins),
         Command::Test(args) => test::test(&args, plugins),
         Command::Scenes(args) => scenes::list(&args, plugins),

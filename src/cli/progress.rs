@@ -33,6 +33,8 @@ pub(super) struct Progress {
     display: Display,
     fluid: usize,
     end_time: f64,
+    /// Time (s) and step from which the run goes on.
+    from: (f64, u64),
     started: Instant,
     shown: Instant,
 }
@@ -46,12 +48,13 @@ impl Progress {
             (false, false) => Display::Lines,
         };
         let now = Instant::now();
-        Self { display, fluid: 0, end_time: 0.0, started: now, shown: now }
+        Self { display, fluid: 0, end_time: 0.0, from: (0.0, 0), started: now, shown: now }
     }
 
-    /// A run of so many fluid particles starts that ends at `end_time` (s).
-    pub fn start(&mut self, fluid: usize, end_time: f64) {
+    /// A run of so many fluid particles starts, or goes on, from `first` to `end_time` (s).
+    pub fn start(&mut self, fluid: usize, end_time: f64, first: &Clock) {
         (self.fluid, self.end_time) = (fluid, end_time);
+        self.from = (first.time, first.step);
         self.started = Instant::now();
         self.shown = self.started;
     }
@@ -93,13 +96,13 @@ impl Progress {
             count(clock.step),
             short(clock.stable_time_step),
             clock.stable_limit,
-            short(self.fluid as f64 * clock.step as f64 / elapsed * 1e-6),
+            short(self.fluid as f64 * (clock.step - self.from.1) as f64 / elapsed * 1e-6),
         )
     }
 
     /// How long it will go on.
     fn left(&self, clock: &Clock, elapsed: f64) -> String {
-        format!("{} left", duration(elapsed * (self.end_time - clock.time) / clock.time))
+        format!("{} left", duration(elapsed * (self.end_time - clock.time) / (clock.time - self.from.0)))
     }
 
     /// The run has ended.
@@ -123,17 +126,21 @@ mod tests {
     #[test]
     fn the_pieces_say_where_the_run_stands() {
         let mut progress = Progress::new(true);
-        progress.start(1000, 2.0);
+        progress.start(1000, 2.0, &Clock::default());
         let clock = Clock { time: 0.5, step: 2000, stable_time_step: 2.5e-4, ..Clock::default() };
         assert_eq!(progress.place(&clock), "t 0.5 / 2 s");
         assert_eq!(progress.pace(&clock, 4.0), "step 2 000, Δt 2.5e-4 s (sound), 0.5 M updates/s");
         assert_eq!(progress.left(&clock, 4.0), "12 s left");
+        // A run that goes on from 0.25 s is half as fast.
+        progress.start(1000, 2.0, &Clock { time: 0.25, step: 1000, ..Clock::default() });
+        assert!(progress.pace(&clock, 4.0).ends_with("0.25 M updates/s"));
+        assert_eq!(progress.left(&clock, 4.0), "24 s left");
     }
 
     #[test]
     fn both_lines_fit_80_columns_with_the_longest_numbers() {
         let mut progress = Progress::new(true);
-        progress.start(50_000_000, 1.2345e-10);
+        progress.start(50_000_000, 1.2345e-10, &Clock::default());
         let (time, stable_time_step) = (1.2345e-20, 1.2345e-10);
         let step = 123_456_789_012;
         let clock = Clock { time, step, stable_time_step, stable_limit: Limit::Acceleration, ..Clock::default() };

@@ -14,6 +14,7 @@ use super::simulate::{Outcome, Settings, simulate};
 use super::summary::{checks_table, divergence, summary};
 use super::{json, warnings};
 use crate::app::{End, open};
+use crate::checkpoint::Origin;
 use crate::error::UserError;
 use crate::scene::open_document;
 
@@ -29,9 +30,54 @@ pub(super) fn run<P: PluginGroup>(args: &RunArgs, plugins: fn() -> P) -> Result<
     if !args.quiet {
         complain(&warnings::text(&warnings));
     }
-    let settings = Settings { until: args.until, log: Some(&log), warnings, threads: args.threads.count() };
+    let settings = Settings {
+        until: args.until,
+        log: Some(&log),
+        warnings,
+        checkpoints: checkpoints(args, &log),
+        resume: None,
+        threads: args.threads.count(),
+    };
     let outcome = simulate(&mut app, &settings, &stop, &mut Progress::new(args.quiet))?;
-    tell(args, &log, &outcome);
+    Show { scene: &args.scene, json: args.json, quiet: args.quiet }.end(&log, &outcome)
+}
+
+/// Where the checkpoints go, if there are to be any.
+fn checkpoints(args: &RunArgs, log: &Path) -> Option<(PathBuf, Origin)> {
+    let (every, every_wall) = (args.checkpoint_every, args.checkpoint_every_wall);
+    every.or(every_wall)?;
+    let origin = Origin {
+        folder: std::env::current_dir().unwrap_or_default(),
+        scene: args.scene.clone(),
+        overrides: args.overrides.set.clone(),
+        until: args.until,
+        every,
+        every_wall,
+        log: log.to_owned(),
+    };
+    Some((log.with_extension("checkpoint"), origin))
+}
+
+/// How a run shows what came out.
+pub(super) struct Show<'a> {
+    pub scene: &'a Path,
+    pub json: bool,
+    pub quiet: bool,
+}
+
+impl Show<'_> {
+    /// Prints what came out, and returns the exit code.
+    ///
+    /// # Errors
+    /// The log could not be written.
+    pub fn end(&self, log: &Path, outcome: &Outcome) -> Result<ExitCode, UserError> {
+        tell(self, log, outcome);
+        code(outcome)
+    }
+}
+
+/// The exit code of a run.
+fn code(outcome: &Outcome) -> Result<ExitCode, UserError> {
     Ok(ExitCode::from(match &outcome.end {
         End::Diverged(_) => exit::DIVERGED,
         End::Interrupted => exit::INTERRUPTED,
@@ -43,11 +89,11 @@ pub(super) fn run<P: PluginGroup>(args: &RunArgs, plugins: fn() -> P) -> Result<
 }
 
 /// Prints what came out: the result to standard output, what is wrong to standard error.
-fn tell(args: &RunArgs, log: &Path, outcome: &Outcome) {
-    if args.json {
-        say(&format!("{}\n", json::object(&args.scene, log, outcome)));
-    } else if !args.quiet {
-        say(&summary(&args.scene, log, outcome));
+fn tell(show: &Show<'_>, log: &Path, outcome: &Outcome) {
+    if show.json {
+        say(&format!("{}\n", json::object(show.scene, log, outcome)));
+    } else if !show.quiet {
+        say(&summary(show.scene, log, outcome));
     }
     if let End::Failed(what) = &outcome.end {
         complain(&format!(
@@ -59,7 +105,7 @@ fn tell(args: &RunArgs, log: &Path, outcome: &Outcome) {
     if let End::Diverged(report) = &outcome.end {
         complain(&divergence(report, log, outcome));
     }
-    if (args.json || args.quiet) && !outcome.passes() {
+    if (show.json || show.quiet) && !outcome.passes() {
         complain(&checks_table(outcome.checks.as_deref().unwrap_or_default()));
     }
 }

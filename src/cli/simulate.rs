@@ -1,13 +1,15 @@
 //! One simulation from scene to end, as `run` and `test` do it.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 
+use super::exit::complain;
 use super::progress::Progress;
 use crate::app::{self, End, StopFlag};
+use crate::checkpoint::{Checkpoint, Checkpoints, Origin, start_checkpoints};
 use crate::clock::Clock;
 use crate::error::UserError;
 use crate::expect::{Check, evaluate, has_expectations};
@@ -24,6 +26,10 @@ pub(super) struct Settings<'a> {
     pub log: Option<&'a Path>,
     /// What the log is told at the start.
     pub warnings: Vec<String>,
+    /// Where checkpoints go, and how the run was started, if there are to be any.
+    pub checkpoints: Option<(PathBuf, Origin)>,
+    /// The checkpoint from which the run goes on.
+    pub resume: Option<&'a Checkpoint>,
     /// Number of threads.
     pub threads: usize,
 }
@@ -37,6 +43,8 @@ pub(super) struct Outcome {
     pub clock: Clock,
     /// Duration (s) of the loop.
     pub wall: f64,
+    /// Steps that it did: all of them, unless the run goes on from a checkpoint.
+    pub steps: u64,
     pub threads: usize,
     /// `None` if the run did not reach the end of the scene.
     pub checks: Option<Vec<Check>>,
@@ -53,7 +61,7 @@ pub(super) struct Outcome {
 impl Outcome {
     /// Fluid particles advanced by a step, per second of wall time.
     pub fn updates_per_second(&self) -> f64 {
-        if self.wall > 0.0 { self.particles.fluid as f64 * self.clock.step as f64 / self.wall } else { 0.0 }
+        if self.wall > 0.0 { self.particles.fluid as f64 * self.steps as f64 / self.wall } else { 0.0 }
     }
 
     /// Whether every expectation is met.
@@ -88,13 +96,19 @@ fn run_in_pool(
 ) -> Result<Outcome, UserError> {
     let scene_end = app::end_time(world);
     let end_time = settings.until.unwrap_or(scene_end);
-    if let Some(path) = settings.log {
+    if let (Some(path), Some(checkpoint)) = (settings.log, settings.resume) {
+        checkpoint.resume(world, path)?;
+    } else if let Some(path) = settings.log {
         open_log(world, path, end_time)
             .map_err(|error| UserError::plain(error.to_string()).help("choose another file with --out"))?;
         settings.warnings.iter().for_each(|line| log_message(world, Level::Warning, line));
     }
+    if let Some((path, origin)) = &settings.checkpoints {
+        start_checkpoints(world, Checkpoints::new(path, origin.clone(), complain))?;
+    }
     let particles = ParticleCounts::of(world);
-    progress.start(particles.fluid, end_time);
+    let first = *world.resource::<Clock>();
+    progress.start(particles.fluid, end_time, &first);
     let started = Instant::now();
     let mut end = app::run(world, end_time, stop, |clock| progress.step(clock));
     let wall = started.elapsed().as_secs_f64();
@@ -104,13 +118,15 @@ fn run_in_pool(
         Err(failure) if !matches!(end, End::LogFailed(_)) => end = End::LogFailed(failure),
         _ => {}
     }
+    let clock = *world.resource::<Clock>();
     let is_whole = end == End::Done && end_time >= scene_end;
     Ok(Outcome {
         title: world.resource::<SceneInfo>().title.clone(),
         resolution: *world.resource::<Resolution>(),
         particles,
-        clock: *world.resource::<Clock>(),
+        clock,
         wall,
+        steps: clock.step - first.step,
         threads: settings.threads,
         has_expectations: has_expectations(world),
         phases: phases(world).into_iter().map(|(phase, _)| phase.name).collect(),

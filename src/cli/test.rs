@@ -69,7 +69,8 @@ fn run_one<P: PluginGroup>(
     if !args.quiet {
         complain(&format!("{}\n", scene.display()));
     }
-    let settings = Settings { until: None, log: None, warnings: Vec::new(), threads: args.threads.count() };
+    let threads = args.threads.count();
+    let settings = Settings { until: None, log: None, warnings: Vec::new(), checkpoints: None, resume: None, threads };
     simulate(&mut app, &settings, stop, &mut Progress::new(args.quiet)).map(Some)
 }
 

@@ -1,7 +1,5 @@
 //! What a value should be: numbers, closed forms that follow from the scene, and measured series.
 
-use std::path::Path;
-
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -10,7 +8,7 @@ use super::table::CsvTable;
 use crate::particles::{Fluid, Mass};
 use crate::physics::{EquationOfState, Gravity};
 use crate::scene::geometry::{Point, coordinates};
-use crate::scene::{Invalid, Resolution, SceneInfo, vertical};
+use crate::scene::{Invalid, Resolution, SceneInfo, scene_file, vertical};
 
 /// The field `is` of an expectation.
 ///
@@ -86,8 +84,7 @@ impl Reference {
             Self::HydrostaticPressure { at } => hydrostatic_pressure(world, *at),
             Self::ShapeMeasure { structure } => shape_measure(world, structure),
             Self::Csv { file, time, value } => {
-                let scene = Path::new(&world.resource::<SceneInfo>().file).to_owned();
-                let path = scene.parent().unwrap_or(Path::new("")).join(file);
+                let path = scene_file(world, file);
                 let table = CsvTable::read(&path, time, value)?;
                 table.check_times(world.resource::<SceneInfo>().end_time)?;
                 return Ok(Target::Table(table, file.clone()));

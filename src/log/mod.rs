@@ -22,6 +22,7 @@ mod points;
 mod read;
 mod record;
 mod recover;
+mod reopen;
 mod series;
 mod writer;
 
@@ -34,7 +35,10 @@ pub use plugin::{Log, LogFailure, LogPlugin, LogSection, close_log, log_message,
 pub use points::{BODY_FIELDS, Column, FLUID_FIELDS, PointField, PointKind, PointsId};
 pub use read::{Damage, Ending, Piece, read_log};
 pub use recover::{Copied, CopiedChannel, copy_log, recover_log};
+pub use reopen::LogMark;
 pub use series::{Field, SeriesId, Value};
 pub use writer::{Level, LogWriter};
+
+pub(crate) use reopen::{mark_log, reopen_log};
 
 use facts::program_facts;

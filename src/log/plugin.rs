@@ -90,7 +90,7 @@ pub struct Log {
 
 /// How far one series has been written.
 #[derive(Debug)]
-struct SeriesChannel {
+pub(super) struct SeriesChannel {
     entity: Entity,
     channel: SeriesId,
     rows: usize,
@@ -172,21 +172,36 @@ fn flush(mut log: ResMut<Log>, mut failure: ResMut<LogFailure>, times: Res<Outpu
 }
 
 impl Log {
+    /// The log of a world that goes to `writer`, with the topics that every run has.
+    pub(super) fn new(world: &mut World, mut writer: LogWriter) -> Result<Self, LogError> {
+        let particles = writer.add_points("/particles", &FLUID_FIELDS)?;
+        let walls = any::<Wall>(world).then(|| writer.add_points("/walls", &BODY_FIELDS)).transpose()?;
+        let structures = any::<Solid>(world).then(|| writer.add_points("/structures", &BODY_FIELDS)).transpose()?;
+        let steps = writer.add_series("/steps", "time step and what limits it", &STEP_FIELDS)?;
+        Ok(Self { writer, particles, walls, structures, steps, series: Vec::new(), last_frame: None })
+    }
+
+    /// Adds the topic of a series of which `rows` rows have been written.
+    pub(super) fn add_channel(&mut self, entity: Entity, series: &Series, rows: usize) -> Result<(), LogError> {
+        let unit = |unit: &'_ str| if unit.is_empty() { "1".to_owned() } else { unit.to_owned() };
+        let units: Vec<String> = series.fields.iter().map(|field| unit(&field.unit)).collect();
+        let fields: Vec<Field> = series
+            .fields
+            .iter()
+            .zip(&units)
+            .map(|(field, unit)| Field::number(&field.name, unit, &field.description))
+            .collect();
+        let channel = self.writer.add_series(&series.topic, &series.description, &fields)?;
+        self.series.push(SeriesChannel { entity, channel, rows });
+        Ok(())
+    }
+
     fn append(&mut self, entity: Entity, series: &Series) -> Result<(), LogError> {
         let known = self.series.iter().position(|channel| channel.entity == entity);
         let index = match known {
             Some(index) => index,
             None => {
-                let unit = |unit: &'_ str| if unit.is_empty() { "1".to_owned() } else { unit.to_owned() };
-                let units: Vec<String> = series.fields.iter().map(|field| unit(&field.unit)).collect();
-                let fields: Vec<Field> = series
-                    .fields
-                    .iter()
-                    .zip(&units)
-                    .map(|(field, unit)| Field::number(&field.name, unit, &field.description))
-                    .collect();
-                let channel = self.writer.add_series(&series.topic, &series.description, &fields)?;
-                self.series.push(SeriesChannel { entity, channel, rows: 0 });
+                self.add_channel(entity, series, 0)?;
                 self.series.len() - 1
             }
         };
@@ -222,14 +237,11 @@ pub fn open_log(world: &mut World, path: &Path, end_time: f64) -> Result<(), Log
         writer.metadata(name, &entries)?;
     }
 
-    let particles = writer.add_points("/particles", &FLUID_FIELDS)?;
-    let walls = any::<Wall>(world).then(|| writer.add_points("/walls", &BODY_FIELDS)).transpose()?;
-    let structures = any::<Solid>(world).then(|| writer.add_points("/structures", &BODY_FIELDS)).transpose()?;
-    let steps = writer.add_series("/steps", "time step and what limits it", &STEP_FIELDS)?;
+    let mut log = Log::new(world, writer)?;
     let clock = world.resource::<Clock>();
     let title = &world.resource::<SceneInfo>().title;
-    writer.message(clock.time, Level::Info, &format!("the run starts: {title}"))?;
-    world.insert_resource(Log { writer, particles, walls, structures, steps, series: Vec::new(), last_frame: None });
+    log.writer.message(clock.time, Level::Info, &format!("the run starts: {title}"))?;
+    world.insert_resource(log);
     Ok(())
 }
 

@@ -8,7 +8,6 @@ use mcap::Channel;
 use mcap::records::MessageHeader;
 
 use super::read::seconds;
-use super::writer::nanos;
 use super::{Damage, Ending, LogError, LogWriter, Piece, read_log};
 
 /// What was copied of a log.
@@ -74,26 +73,26 @@ pub(super) const END: &str = "end";
 /// Copies what can be read of the log at `from`, whole or torn, into `to`, which stays open: series and clouds that are added to it
 /// afterwards with the same topic and schema continue the copied ones, their numbering too.
 ///
-/// With `until` (s), messages of later simulated times are left out, and so is the record of how the run ended: a run can go on
-/// from there.
+/// With `first`, only so many messages are copied, in the order of the file, and the record of how the run ended is left out: a
+/// run can go on from there.
 ///
 /// # Errors
 /// `from` is no log or cannot be read, or `to` cannot be written.
-pub fn copy_log(from: &Path, to: &mut LogWriter, until: Option<f64>) -> Result<Copied, LogError> {
-    let last = until.map_or(u64::MAX, nanos);
+pub fn copy_log(from: &Path, to: &mut LogWriter, first: Option<u64>) -> Result<Copied, LogError> {
+    let most = first.unwrap_or(u64::MAX);
     let ending = Ending { bytes: 0, whole: false };
     let mut copied = Copied { ending, channels: Vec::new(), damages: Vec::new(), lost_bytes: 0, others: 0 };
     copied.ending = read_log(from, |piece| {
         match piece {
             Piece::Channel(channel) => drop(copied.channel(channel, to)?),
-            Piece::Message(channel, header, data) if header.log_time <= last => {
+            Piece::Message(channel, header, data) if copied.messages() < most => {
                 copied.message(channel, header, data, to)?
             }
             Piece::Attachment(file) => {
                 to.attach_raw(file)?;
                 copied.others += 1;
             }
-            Piece::Metadata(record) if until.is_none() || record.name != END => {
+            Piece::Metadata(record) if first.is_none() || record.name != END => {
                 to.metadata_raw(record)?;
                 copied.others += 1;
             }
@@ -184,7 +183,7 @@ fn write_part(from: &Path, part: &Path) -> Result<Copied, LogError> {
 }
 
 /// Where a log that is to be at `path` is written first.
-fn part_of(path: &Path) -> PathBuf {
+pub(super) fn part_of(path: &Path) -> PathBuf {
     let mut name = OsString::from(path);
     name.push(".part");
     name.into()

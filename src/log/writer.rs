@@ -56,6 +56,11 @@ pub struct LogWriter {
     points: Vec<Points>,
     log_channel: u16,
     log_sequence: u32,
+    /// The file, to bring it to the disk.
+    file: Option<File>,
+    /// How many messages there are, and the CRC-32 of them all.
+    messages: u64,
+    checksum: crc32fast::Hasher,
     /// Next sequence number of channels that were copied and so far belong to nothing else.
     copied: BTreeMap<u16, u32>,
     /// The encoded message, kept so that its memory is used again.
@@ -75,6 +80,7 @@ impl LogWriter {
     pub fn create(path: &Path) -> Result<Self, LogError> {
         let fail = |error: McapError| LogError::new(path, "create", error);
         let file = File::create(path).map_err(|error| LogError::new(path, "create", error))?;
+        let handle = file.try_clone().ok();
         let mut mcap = options().create(NoSeek::new(BufWriter::new(file))).map_err(fail)?;
         let log_channel = add_protobuf_channel::<Log>(&mut mcap, LOG_TOPIC).map_err(fail)?;
         Ok(Self {
@@ -84,6 +90,9 @@ impl LogWriter {
             points: Vec::new(),
             log_channel,
             log_sequence: 0,
+            file: handle,
+            messages: 0,
+            checksum: crc32fast::Hasher::new(),
             copied: BTreeMap::new(),
             scratch: Vec::new(),
         })
@@ -224,13 +233,30 @@ impl LogWriter {
         } else {
             self.copied.insert(header.channel_id, next);
         }
-        self.mcap(|mcap| mcap.write_to_known_channel(header, data))
+        self.write_message(header, data)
     }
 
     /// Closes the chunk and hands everything so far to the operating system. From then on it is readable even
     /// if this process is killed, though not yet if the machine loses its power.
     pub fn flush(&mut self) -> Result<(), LogError> {
         self.mcap(Writer::flush)
+    }
+
+    /// Brings everything so far to the disk: from then on it is readable even if the machine loses its power.
+    pub fn sync(&mut self) -> Result<(), LogError> {
+        self.flush()?;
+        let synced = self.file.as_ref().map_or(Ok(()), File::sync_data);
+        synced.map_err(|error| self.error(error))
+    }
+
+    /// How many messages were written, and the CRC-32 of their numbers, times and bytes.
+    pub(super) fn written(&self) -> (u64, u32) {
+        (self.messages, self.checksum.clone().finalize())
+    }
+
+    /// The file was given another name.
+    pub(super) fn set_path(&mut self, path: &Path) {
+        self.path = path.to_owned();
     }
 
     /// Writes the summary that lets players seek, and closes the file. To finish again does nothing.
@@ -242,9 +268,18 @@ impl LogWriter {
     fn write_scratch(&mut self, encoded: Result<(), impl ToString>, header: MessageHeader) -> Result<(), LogError> {
         encoded.map_err(|error| self.error(error.to_string()))?;
         let scratch = std::mem::take(&mut self.scratch);
-        let written = self.mcap(|mcap| mcap.write_to_known_channel(&header, &scratch));
+        let written = self.write_message(&header, &scratch);
         self.scratch = scratch;
         written
+    }
+
+    fn write_message(&mut self, header: &MessageHeader, data: &[u8]) -> Result<(), LogError> {
+        self.mcap(|mcap| mcap.write_to_known_channel(header, data))?;
+        self.messages += 1;
+        self.checksum.update(&header.sequence.to_le_bytes());
+        self.checksum.update(&header.log_time.to_le_bytes());
+        self.checksum.update(data);
+        Ok(())
     }
 
     /// Does `what` to the file, which must not be finished: the library panics then.

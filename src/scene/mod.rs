@@ -2,6 +2,7 @@
 
 mod columns;
 pub mod document;
+mod files;
 mod fluids;
 pub mod geometry;
 mod header;
@@ -14,6 +15,7 @@ mod variant;
 
 pub(crate) use columns::vertical;
 pub use document::{Document, Named, Node, flatten, nearest};
+pub use files::{SceneFiles, scene_file};
 pub(crate) use fluids::WALL_CLEARANCE;
 pub use fluids::{FilledFluids, FluidSpec, FluidsSection, InitialPressure};
 pub use header::{Header, Periodic, Resolution, SceneInfo};

@@ -1,0 +1,103 @@
+//! When checkpoints are written during a run.
+//!
+//! A checkpoint is written between two steps and changes nothing: no step is cut short to meet one, no list is rebuilt for
+//! one. So a run with checkpoints has the bits of one without.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use bevy_ecs::prelude::*;
+
+use super::file::{About, Origin, refuse_to_overwrite, to_bytes, write_atomically};
+use super::state::{check_state, save_state};
+use crate::clock::Clock;
+use crate::error::UserError;
+use crate::log::mark_log;
+use crate::scene::{SceneDocument, SceneFiles};
+
+/// Where the checkpoints of a run go, and when the next one is due. Without this resource none is written.
+#[derive(Resource, Debug)]
+pub struct Checkpoints {
+    path: PathBuf,
+    origin: Origin,
+    /// Simulated time (s) of the next one.
+    next: f64,
+    written: Instant,
+    /// Hears of a checkpoint that could not be written; the run goes on, and the one before it stays.
+    warn: fn(&str),
+}
+
+impl Checkpoints {
+    /// The checkpoints of a run, which go to `path`; `warn` hears of one that could not be written.
+    #[must_use]
+    pub fn new(path: &Path, origin: Origin, warn: fn(&str)) -> Self {
+        Self { path: path.to_owned(), origin, next: 0.0, written: Instant::now(), warn }
+    }
+
+    /// Whether one is due at the simulated time `time` (s).
+    fn is_due(&self, time: f64) -> bool {
+        let wall = self.origin.every_wall.is_some_and(|every| self.written.elapsed() >= Duration::from_secs_f64(every));
+        wall || (self.origin.every.is_some() && time >= self.next)
+    }
+
+    /// One was written, or should have been, at the simulated time `time` (s).
+    fn set_next(&mut self, time: f64) {
+        self.written = Instant::now();
+        self.next = self.origin.every.map_or(f64::INFINITY, |every| ((time / every).floor() + 1.0) * every);
+    }
+}
+
+/// Starts to write checkpoints: the first one now, so that there is one of this run at any time, and so that it is known that
+/// they can be written.
+///
+/// # Errors
+/// State that would be lost, or a file that cannot be written.
+pub fn start_checkpoints(world: &mut World, checkpoints: Checkpoints) -> Result<(), UserError> {
+    check_state(world).map_err(|forgotten| {
+        let message = format!("checkpoints would lose the state of a plugin: `{}`", forgotten.join("`, `"));
+        UserError::plain(message).help("register it with `register_saved` or `register_rebuilt`")
+    })?;
+    refuse_to_overwrite(&checkpoints.path)?;
+    world.insert_resource(checkpoints);
+    write_checkpoint(world).map_err(|why| UserError::plain(why).help("the checkpoint lies beside the log: see --out"))
+}
+
+/// Writes a checkpoint if one is due.
+pub(crate) fn write_if_due(world: &mut World) {
+    let time = world.resource::<Clock>().time;
+    if world.get_resource::<Checkpoints>().is_some_and(|checkpoints| checkpoints.is_due(time)) {
+        write_or_warn(world);
+    }
+}
+
+/// Writes the checkpoint of where a run ends or is interrupted.
+pub(crate) fn write_last(world: &mut World) {
+    if world.contains_resource::<Checkpoints>() {
+        write_or_warn(world);
+    }
+}
+
+fn write_or_warn(world: &mut World) {
+    if let Err(why) = write_checkpoint(world) {
+        let checkpoints = world.resource::<Checkpoints>();
+        (checkpoints.warn)(&format!("Warning: {why}; the run goes on, and the checkpoint before this one stays\n"));
+    }
+}
+
+/// Writes a checkpoint of the world as it is now.
+fn write_checkpoint(world: &mut World) -> Result<(), String> {
+    let Clock { time, step, .. } = *world.resource::<Clock>();
+    let text = world.resource::<SceneDocument>().0.text().to_string();
+    let files = world.resource::<SceneFiles>().fingerprints();
+    let mut checkpoints = world.resource_mut::<Checkpoints>();
+    checkpoints.set_next(time);
+    let path = checkpoints.path.clone();
+    let origin = checkpoints.origin.clone();
+    let fail = |why: String| format!("cannot write the checkpoint {}: {why}", path.display());
+    // What the checkpoint counts on is on the disk before it is.
+    let mark = mark_log(world).map_err(|error| error.to_string())?;
+    let about = About { origin, text, files: files.map_err(fail)?, mark, time, step };
+    let state = save_state(world).map_err(fail)?;
+    let bytes = to_bytes(&about, &state).map_err(fail)?;
+    write_atomically(&path, &bytes).map_err(|error| fail(error.to_string()))
+}

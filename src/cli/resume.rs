@@ -1,0 +1,42 @@
+//! `storegga resume`.
+
+use std::process::ExitCode;
+
+use bevy_app::PluginGroup;
+
+use super::args::ResumeArgs;
+use super::exit::{self, complain};
+use super::number::{count, short};
+use super::progress::Progress;
+use super::run::Show;
+use super::simulate::{Settings, simulate};
+use crate::app::open;
+use crate::checkpoint::Checkpoint;
+use crate::error::UserError;
+use crate::scene::open_document;
+
+/// Goes on with a run from its checkpoint.
+pub(super) fn resume<P: PluginGroup>(args: &ResumeArgs, plugins: fn() -> P) -> Result<ExitCode, UserError> {
+    let checkpoint = Checkpoint::read(&args.checkpoint)?;
+    let about = &checkpoint.about;
+    let scene = checkpoint.find(&about.origin.scene);
+    let document = open_document(&scene, &about.origin.overrides)?;
+    checkpoint.check_scene(&document)?;
+    let log = checkpoint.find(&about.origin.log);
+    let stop = exit::stop_on_interrupt();
+    let mut app = open(plugins(), document)?;
+    if !args.quiet {
+        let place = format!("t = {} s, step {}", short(about.time), count(about.step));
+        complain(&format!("going on with {} from {place}\n", scene.display()));
+    }
+    let settings = Settings {
+        until: about.origin.until,
+        log: Some(&log),
+        warnings: Vec::new(),
+        checkpoints: Some((args.checkpoint.clone(), about.origin.clone())),
+        resume: Some(&checkpoint),
+        threads: args.threads.count(),
+    };
+    let outcome = simulate(&mut app, &settings, &stop, &mut Progress::new(args.quiet))?;
+    Show { scene: &scene, json: args.json, quiet: args.quiet }.end(&log, &outcome)
+}

@@ -1,0 +1,73 @@
+//! Continuing the log of a run that was stopped.
+
+use std::fs;
+use std::path::Path;
+
+use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::plugin::Log;
+use super::recover::part_of;
+use super::{LogError, LogWriter, copy_log};
+use crate::probes::Series;
+
+/// How far the log of a run had been written at one moment.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct LogMark {
+    /// Number of messages.
+    messages: u64,
+    /// CRC-32 of them all.
+    checksum: u32,
+    /// Simulated time (s) of the last frame of particles.
+    last_frame: Option<f64>,
+}
+
+/// Brings the log to the disk and says how far it has been written.
+pub(crate) fn mark_log(world: &mut World) -> Result<LogMark, LogError> {
+    let Some(mut log) = world.get_resource_mut::<Log>() else { return Ok(LogMark::default()) };
+    log.writer.sync()?;
+    let (messages, checksum) = log.writer.written();
+    Ok(LogMark { messages, checksum, last_frame: log.last_frame })
+}
+
+/// Opens the log at `path` as it was at `mark`: from then on outputs are written to it again. Messages behind the mark are left
+/// out. It is written beside the old one and takes its place when everything up to the mark is on the disk, so that nothing is
+/// lost whenever this is interrupted.
+///
+/// # Errors
+/// The log does not hold what had been written at the mark, or cannot be written.
+pub(crate) fn reopen_log(world: &mut World, path: &Path, mark: LogMark) -> Result<(), LogError> {
+    let part = part_of(path);
+    let reopened = continue_log(world, path, &part, mark);
+    if reopened.is_err() {
+        let _ = fs::remove_file(&part);
+    }
+    reopened
+}
+
+fn continue_log(world: &mut World, path: &Path, part: &Path, mark: LogMark) -> Result<(), LogError> {
+    let mut writer = LogWriter::create(part)?;
+    let copied = copy_log(path, &mut writer, Some(mark.messages))?;
+    let found = copied.messages();
+    if found < mark.messages {
+        let what = format!("of the {} messages at the checkpoint {found} are in it", mark.messages);
+        return Err(LogError::new(path, "go on with", what));
+    }
+    if writer.written() != (mark.messages, mark.checksum) {
+        let what = "it is the log of another run, or of a later one of the same scene";
+        return Err(LogError::new(path, "go on with", what));
+    }
+    let mut log = Log::new(world, writer)?;
+    log.last_frame = mark.last_frame;
+    let written = |topic: &str| copied.channels.iter().find(|channel| channel.topic == topic);
+    for (entity, series) in world.query::<(Entity, &Series)>().iter(world) {
+        if let Some(channel) = written(&series.topic) {
+            log.add_channel(entity, series, channel.messages as usize)?;
+        }
+    }
+    log.writer.sync()?;
+    fs::rename(part, path).map_err(|error| LogError::new(path, "write", error))?;
+    log.writer.set_path(path);
+    world.insert_resource(log);
+    Ok(())
+}
