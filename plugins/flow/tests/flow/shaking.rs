@@ -11,7 +11,7 @@ use storegga::particles::{Acceleration, Fluid, Position, Pressure, Wall};
 use crate::support::{app, app_in, motion, press, refusal, run_until};
 
 /// A folder of the test `name` with an accelerogram in it; the file of the scene beside it.
-fn beside(name: &str, csv: &str) -> String {
+pub fn beside(name: &str, csv: &str) -> String {
     let folder: PathBuf = std::env::temp_dir().join(format!("storegga-shaking-{}-{name}", std::process::id()));
     assert!(fs::create_dir_all(&folder).and_then(|()| fs::write(folder.join("quake.csv"), csv)).is_ok());
     folder.join("scene.ron").display().to_string()
@@ -48,7 +48,7 @@ fn a_particle_that_touches_nothing_falls_with_g_less_the_ground() {
 }
 
 /// A closed tank full of oil, 1 m by 0.5 m, shaken by the accelerogram beside it; `more` are sections.
-fn tank(gravity: &str, more: &str) -> String {
+pub fn tank(gravity: &str, more: &str) -> String {
     format!(
         r#"Scene(
             dimension: 2, spacing: 0.05, gravity: {gravity}, end_time: 1.0,
@@ -62,7 +62,7 @@ fn tank(gravity: &str, more: &str) -> String {
 
 const WALLS: &str = "walls: { \"tank\": (shape: Box(min: (0.0, 0.0), max: (1.0, 0.5))) },";
 
-fn shaken() -> String {
+pub fn shaken() -> String {
     format!("{WALLS} shaking: Accelerogram({FILE}, columns: [(name: \"a\", direction: (1.0, 0.0))]),")
 }
 
