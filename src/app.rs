@@ -8,6 +8,7 @@ use bevy_ecs::component::Mutable;
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::IntoScheduleConfigs;
 use bevy_ecs::system::ScheduleSystem;
+use schemars::JsonSchema;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -44,7 +45,7 @@ pub trait StoreggaApp {
     ) -> &mut Self;
 
     /// Lets scenes name a smoothing kernel.
-    fn register_kernel<K: Kernel + Clone>(&mut self, name: &str, kernel: K) -> &mut Self;
+    fn register_kernel<K: Kernel + Clone + JsonSchema>(&mut self, name: &str, kernel: K) -> &mut Self;
 
     /// Puts systems in charge of a stage, for 2D and for 3D scenes, in the place of those that were: for
     /// [`Stage::Rheology`] those of all rheologies registered so far. Without effect once a scene is loaded.
@@ -106,7 +107,7 @@ impl StoreggaApp for App {
         self
     }
 
-    fn register_kernel<K: Kernel + Clone>(&mut self, name: &str, kernel: K) -> &mut Self {
+    fn register_kernel<K: Kernel + Clone + JsonSchema>(&mut self, name: &str, kernel: K) -> &mut Self {
         self.world_mut().get_resource_or_init::<KernelRegistry>().register(name, kernel);
         self
     }

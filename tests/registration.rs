@@ -2,6 +2,7 @@
 
 use bevy_app::{App, Plugin, PluginGroup};
 use bevy_ecs::prelude::*;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use storegga::app::{End, PaperPlugins, StopFlag, StoreggaApp, open, run};
 use storegga::checkpoint::{check_state, restore_state, save_state};
@@ -17,10 +18,11 @@ use storegga::scene::{Document, Invalid, SceneSection, SectionError};
 use storegga::schedule::{Output, OutputStage, Stage};
 
 /// A rheology with a memory: its viscosity falls with the strain that a particle has been through.
-#[derive(Component, Debug, Clone, Serialize, Deserialize)]
+#[derive(Component, Debug, Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Softening {
     /// Viscosity (Pa s) of undisturbed material.
+    #[schemars(range(min = 0.0), extend("unit" = "Pa s"))]
     intact: f64,
 }
 
@@ -56,7 +58,7 @@ fn soften(
 }
 
 /// A cubic kernel of the plugin's own: (1 − q)³ up to q = 1, in units of 3h.
-#[derive(Clone)]
+#[derive(Clone, JsonSchema)]
 struct Cubic;
 
 impl Kernel for Cubic {
@@ -79,9 +81,11 @@ impl Kernel for Cubic {
 }
 
 /// A section of the plugin's own.
-#[derive(Resource, Debug, Serialize, Deserialize)]
+#[derive(Resource, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Earthquake {
+    /// Greatest acceleration of the ground.
+    #[schemars(extend("unit" = "m/s²"))]
     peak: f64,
 }
 
@@ -99,7 +103,7 @@ impl SceneSection for Earthquake {
 }
 
 /// A probe of the plugin's own: the number of fluid particles.
-#[derive(Component, Debug, Clone, Serialize, Deserialize)]
+#[derive(Component, Debug, Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Count();
 
@@ -348,7 +352,7 @@ impl Plugin for Splitting {
     }
 }
 
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize, Deserialize, JsonSchema)]
 struct Splitter();
 
 impl SceneSection for Splitter {

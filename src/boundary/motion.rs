@@ -8,6 +8,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::query::ArchetypeFilter;
 use glam::{DQuat, DVec3};
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Body;
@@ -20,7 +21,7 @@ use crate::scene::Invalid;
 use crate::scene::geometry::{Point, check_axis, coordinates, corners, unit_axis};
 
 /// How a body moves.
-#[derive(Component, Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Component, Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum Motion {
     /// Not at all.
@@ -29,30 +30,38 @@ pub enum Motion {
     /// With a constant velocity between two times.
     Translation {
         /// Velocity (m/s).
+        #[schemars(extend("unit" = "m/s"))]
         velocity: Point,
         /// Start (s).
         #[serde(default)]
+        #[schemars(range(min = 0.0), extend("unit" = "s"))]
         from: f64,
         /// End (s); `None` for never.
         #[serde(default)]
+        #[schemars(extend("unit" = "s", "derived" = "for ever"))]
         until: Option<f64>,
     },
     /// With a constant rate about an axis.
     Rotation {
         /// A point of the axis (m).
+        #[schemars(extend("unit" = "m"))]
         center: Point,
         /// Direction of the axis; in 2D always (0, 0, 1), out of the plane.
         #[serde(default)]
+        #[schemars(extend("unit" = "1", "derived" = "out of the plane in 2D; required in 3D"))]
         axis: Option<Point>,
         /// Rate (rad/s), counter-clockwise about the axis.
+        #[schemars(extend("unit" = "rad/s"))]
         rate: f64,
     },
     /// Through a table of displacements and angles, joined smoothly (cubic Hermite, slopes from the neighbouring rows).
     Table {
         /// A point of the axis of rotation (m).
+        #[schemars(extend("unit" = "m"))]
         center: Point,
         /// Direction of the axis; in 2D always (0, 0, 1), out of the plane.
         #[serde(default)]
+        #[schemars(extend("unit" = "1", "derived" = "out of the plane in 2D; required in 3D"))]
         axis: Option<Point>,
         /// Rows in the order of time; before the first and after the last the body rests.
         rows: Vec<TableRow>,
@@ -60,15 +69,18 @@ pub enum Motion {
 }
 
 /// One row of a tabulated motion.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TableRow {
     /// Time (s).
+    #[schemars(extend("unit" = "s"))]
     pub time: f64,
     /// Displacement (m).
+    #[schemars(extend("unit" = "m"))]
     pub displacement: Point,
     /// Angle (rad).
     #[serde(default)]
+    #[schemars(extend("unit" = "rad"))]
     pub angle: f64,
 }
 

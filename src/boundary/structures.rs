@@ -3,6 +3,7 @@
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 use indexmap::IndexMap;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::body::{Body, BodyShape, spawn_body};
@@ -12,16 +13,17 @@ use crate::particles::{Slip, Solid};
 use crate::scene::geometry::{Point, Shape, coordinates, solid_particles};
 use crate::scene::{Invalid, Resolution, SceneFacts, SceneSection, SectionError, limit_particles};
 
-/// Section `structures`: the structures by name.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+/// Section `structures`: bodies that report force and moment, by name. Structures must not overlap.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(transparent)]
 pub struct StructuresSection(IndexMap<String, StructureSpec>);
 
 /// A structure of a scene.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StructureSpec {
     /// Shape of the body (m).
+    #[schemars(extend("unit" = "m"))]
     pub shape: Shape,
     /// Whether the fluid sticks to it.
     #[serde(default)]
@@ -31,9 +33,11 @@ pub struct StructureSpec {
     pub motion: Motion,
     /// In 2D, the out-of-plane length (m) by which force and moment per metre are multiplied.
     #[serde(default)]
+    #[schemars(extend("unit" = "m", "exclusiveMinimum" = 0.0, "derived" = "forces per metre"))]
     pub length: Option<f64>,
     /// Point (m) about which the moment is taken, fixed in space; `None` for the centroid of the body at rest.
     #[serde(default)]
+    #[schemars(extend("unit" = "m", "derived" = "the centroid of the body at rest"))]
     pub moment_about: Option<Point>,
 }
 

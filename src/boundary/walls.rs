@@ -3,6 +3,7 @@
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 use indexmap::IndexMap;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::body::{Body, BodyShape, spawn_body};
@@ -13,16 +14,17 @@ use crate::particles::{Slip, Wall};
 use crate::scene::geometry::{Shape, Side, ghost_layers};
 use crate::scene::{Invalid, Resolution, SceneSection, SectionError, limit_particles};
 
-/// Section `walls`: the walls by name.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+/// Section `walls`: bodies of ghost particles, by name.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(transparent)]
 pub struct WallsSection(IndexMap<String, WallSpec>);
 
 /// A wall of a scene.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WallSpec {
     /// Surface of the wall (m).
+    #[schemars(extend("unit" = "m"))]
     pub shape: Shape,
     /// On which side of the surface the fluid is.
     #[serde(default)]
@@ -32,6 +34,7 @@ pub struct WallSpec {
     pub slip: Slip,
     /// Where the wall is left out: an open top, a door (m).
     #[serde(default)]
+    #[schemars(extend("unit" = "m", "derived" = "nothing"))]
     pub cut: Option<Shape>,
     /// How the wall moves.
     #[serde(default)]
@@ -39,7 +42,7 @@ pub struct WallSpec {
 }
 
 /// Side of a wall's surface on which the fluid is.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum FluidSide {
     /// Inside the shape: the wall is a container.

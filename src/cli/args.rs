@@ -37,6 +37,21 @@ pub(super) enum Command {
     Scenes(ScenesArgs),
     /// Make a whole log of one that was torn or damaged.
     Recover(RecoverArgs),
+    /// Print the page of every field of a scene in Markdown: meaning, unit, default, range.
+    #[command(after_help = "\
+Example:
+  storegga reference > docs/scene.md
+
+The page has what the plugins of this program read; docs/scene.md is that of the plugins that are shipped.")]
+    Reference,
+    /// Print the JSON Schema of scenes, for editors and for programs that write scenes.
+    #[command(after_help = "\
+Example:
+  storegga schema > scene.schema.json
+
+Scenes are RON. The schema has them as JSON: (a: 1) is {\"a\": 1}, (1, 2) is [1, 2], Name(a: 1) is {\"Name\": {\"a\": 1}}.
+docs/scene.md says what works in which editor.")]
+    Schema,
 }
 
 /// Arguments of `storegga run`.

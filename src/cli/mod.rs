@@ -1,4 +1,4 @@
-//! The command line: what `storegga run`, `resume`, `check`, `test`, `scenes` and `recover` do.
+//! The command line: what `storegga run`, `resume`, `check`, `test`, `scenes`, `recover`, `reference` and `schema` do.
 //!
 //! [`main`] is the whole program for any set of plugins, so that a program of one's own with further plugins is
 //! `fn main() -> ExitCode { storegga::cli::main(|| MyPlugins) }`.
@@ -14,6 +14,7 @@ mod recover;
 mod resume;
 mod run;
 mod scenes;
+mod schema;
 mod simulate;
 mod summary;
 mod table;
@@ -38,6 +39,8 @@ pub fn main<P: PluginGroup>(plugins: fn() -> P) -> ExitCode {
         Command::Test(args) => test::test(&args, plugins),
         Command::Scenes(args) => scenes::list(&args, plugins),
         Command::Recover(args) => recover::recover(&args),
+        Command::Reference => schema::reference(plugins),
+        Command::Schema => schema::schema(plugins),
     };
     done.unwrap_or_else(|error| exit::report(&error))
 }

@@ -1,6 +1,7 @@
 //! What a value should be: numbers, closed forms that follow from the scene, and measured series.
 
 use bevy_ecs::prelude::*;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::displaced::{buoyancy, column, structure};
@@ -14,12 +15,14 @@ use crate::scene::{Invalid, Resolution, SceneInfo, scene_file, vertical};
 ///
 /// Weights and forces are components along the axis of gravity: with gravity (0, −9.81) the weight of the fluid, and the
 /// force with which it presses on a floor, are negative, and a buoyancy is positive, as in `force_y`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum Reference {
     /// A number, in the unit of the series.
+    #[schemars(extend("unit" = "that of the series"))]
     Number(f64),
     /// Anything from the first number to the second.
+    #[schemars(extend("unit" = "that of the series"))]
     Between(f64, f64),
     /// Weight `Σ m g` of all fluid at the start (N; N/m in 2D).
     FluidWeight,
@@ -31,11 +34,13 @@ pub enum Reference {
         /// A point (m) of the vertical on which the layers of the start are taken, beside the structure; `None` for the
         /// left end of the fluids.
         #[serde(default)]
+        #[schemars(extend("unit" = "m", "derived" = "the left end of the fluids"))]
         beside: Option<Point>,
     },
     /// Pressure (Pa) of the model's compressible fluid at rest, in the layers of the start.
     HydrostaticPressure {
         /// The place (m).
+        #[schemars(extend("unit" = "m"))]
         at: Point,
     },
     /// Exact area (m²; 2D) or volume (m³) of a structure.
@@ -43,7 +48,7 @@ pub enum Reference {
         /// Name of the structure.
         structure: String,
     },
-    /// A series in a CSV file: a line of names, then a row a time; lines that begin with `#` are skipped. Every row is
+    /// A series in a CSV file: columns parted by `,`, a line of names, then a row a time; lines that begin with `#` are skipped. Every row is
     /// compared, and the value is the relative L2 difference `√(Σ (y_k − ŷ(t_k))² / Σ y_k²)` of the series ŷ from the rows
     /// y_k or, if the tolerance is `Absolute`, the root mean square of y_k − ŷ(t_k).
     Csv {

@@ -1,6 +1,7 @@
 //! Section `expect` of a scene.
 
 use bevy_ecs::prelude::*;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::check::{Expectations, Resolved, Tolerance};
@@ -9,13 +10,13 @@ use super::take::Take;
 use crate::probes::Series;
 use crate::scene::{Invalid, SceneFacts, SceneInfo, SceneSection, SectionError, unknown};
 
-/// Section `expect`: what should come out.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+/// Section `expect`: what should come out. All times, those of a file too, lie between 0 and `end_time`.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(transparent)]
 pub struct ExpectSection(Vec<Expectation>);
 
 /// One expectation.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Expectation {
     /// What is checked, in words.
@@ -24,21 +25,25 @@ pub struct Expectation {
     pub of: String,
     /// Which of its values counts; `None` for the last one.
     #[serde(default)]
+    #[schemars(extend("derived" = "`Last`"))]
     pub take: Option<Take>,
     /// What it should be.
     pub is: Reference,
     /// How near it should be; not with `Between`.
     #[serde(default)]
+    #[schemars(extend("derived" = "required, but not with `Between`"))]
     pub within: Option<Within>,
 }
 
 /// How near a value should be.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum Within {
     /// A fraction of what it should be.
+    #[schemars(extend("unit" = "1", "minimum" = 0.0))]
     Relative(f64),
     /// A difference in the unit of the series.
+    #[schemars(extend("unit" = "that of the series", "minimum" = 0.0))]
     Absolute(f64),
 }
 

@@ -1,23 +1,27 @@
 //! One value of a series.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::scene::Invalid;
 
 /// Which value of a series counts. Between its samples a series is taken as linear.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum Take {
     /// The last sample.
     #[default]
     Last,
     /// The value at a time (s).
+    #[schemars(extend("unit" = "s"))]
     At(f64),
     /// The mean over a time.
     Mean {
         /// Start (s).
+        #[schemars(extend("unit" = "s"))]
         from: f64,
         /// End (s).
+        #[schemars(extend("unit" = "s"))]
         to: f64,
     },
     /// The greatest sample.
@@ -27,15 +31,19 @@ pub enum Take {
     /// The greatest value in a time.
     MaxIn {
         /// Start (s).
+        #[schemars(extend("unit" = "s"))]
         from: f64,
         /// End (s).
+        #[schemars(extend("unit" = "s"))]
         to: f64,
     },
     /// The value at one time less that at an earlier one.
     Change {
         /// Earlier time (s).
+        #[schemars(extend("unit" = "s"))]
         from: f64,
         /// Later time (s).
+        #[schemars(extend("unit" = "s"))]
         to: f64,
     },
 }

@@ -2,6 +2,8 @@
 
 use std::f64::consts::PI;
 
+use schemars::JsonSchema;
+
 use super::Kernel;
 
 /// Cubic spline M₄ (Schoenberg 1946; in SPH: Monaghan & Lattanzio 1985), support 2h:
@@ -9,7 +11,7 @@ use super::Kernel;
 /// `w(q) = ¼ (2−q)₊³ − (1−q)₊³`, `W = α_d w(q) / h^d`, `α_1 = 2/3`, `α_2 = 10/(7π)`, `α_3 = 1/π`.
 ///
 /// Its slope is greatest at q = 2/3: particles nearer than that are pushed apart less the nearer they come, and tend to pair.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default, JsonSchema)]
 pub struct CubicSpline;
 
 impl Kernel for CubicSpline {

@@ -15,7 +15,8 @@ pub use wendland_c4::WendlandC4;
 /// A radial smoothing kernel W(r, h) = α_d / h^d · w(q), q = r/h.
 ///
 /// To add one, implement this trait and call
-/// [`register_kernel`](crate::app::StoreggaApp::register_kernel); scenes then choose it by its name.
+/// [`register_kernel`](crate::app::StoreggaApp::register_kernel); scenes then choose it by its name, and its doc comment stands on the
+/// reference page of scenes.
 pub trait Kernel: Send + Sync + 'static {
     /// Radius of the support in units of h: w(q) = 0 for q ≥ `support`.
     fn support(&self) -> f64;

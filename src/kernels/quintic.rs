@@ -2,6 +2,8 @@
 
 use std::f64::consts::PI;
 
+use schemars::JsonSchema;
+
 use super::Kernel;
 
 /// Quintic spline (Eq. 4; Morris 1996), support 3h:
@@ -10,7 +12,7 @@ use super::Kernel;
 /// `α_1 = 1/120`, `α_2 = 7/(478 π)`, `α_3 = 1/(120 π)`.
 ///
 /// The constants are exact. (3/(359 π), found for d = 3 in some papers, is 0.28 % too large.)
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default, JsonSchema)]
 pub struct QuinticSpline;
 
 impl Kernel for QuinticSpline {

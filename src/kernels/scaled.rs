@@ -4,8 +4,10 @@ use std::sync::Arc;
 
 use bevy_ecs::prelude::*;
 use pulp::Arch;
+use schemars::JsonSchema;
 
 use super::Kernel;
+use crate::scene::schema::{Describe, OpenEnum, describe};
 
 /// A kernel as the stages see it: scaled to h and d, and evaluated for a whole list of pairs in one call, so that
 /// the call through the registry costs nothing a pair and the loop runs in the widest SIMD that the processor has.
@@ -83,12 +85,20 @@ type Factory = Box<dyn Fn(f64, usize) -> Arc<dyn PairKernel> + Send + Sync>;
 /// The kernels that a scene can name.
 #[derive(Resource, Default)]
 pub struct KernelRegistry {
-    entries: Vec<(String, Factory)>,
+    entries: Vec<(String, Factory, Describe)>,
+}
+
+impl OpenEnum for KernelRegistry {
+    const NAME: &'static str = "kernel";
+
+    fn variants(&self) -> impl Iterator<Item = (&str, Describe)> {
+        self.entries.iter().map(|(name, _, describe)| (name.as_str(), *describe))
+    }
 }
 
 impl KernelRegistry {
     /// Makes `kernel` available under `name`, in the place of what had that name.
-    pub fn register<K: Kernel + Clone>(&mut self, name: &str, kernel: K) {
+    pub fn register<K: Kernel + Clone + JsonSchema>(&mut self, name: &str, kernel: K) {
         let factory: Factory = Box::new(move |smoothing_length, dimension| {
             let alpha = kernel.normalisation(dimension);
             Arc::new(Scaled {
@@ -98,19 +108,19 @@ impl KernelRegistry {
                 gradient_scale: alpha / smoothing_length.powi(dimension as i32 + 2),
             })
         });
-        self.entries.retain(|(known, _)| known != name);
-        self.entries.push((name.to_owned(), factory));
+        self.entries.retain(|(known, ..)| known != name);
+        self.entries.push((name.to_owned(), factory, describe::<K>));
     }
 
     /// Names that a scene can use.
     pub fn names(&self) -> impl Iterator<Item = &str> {
-        self.entries.iter().map(|(name, _)| name.as_str())
+        self.entries.iter().map(|(name, ..)| name.as_str())
     }
 
     /// The kernel called `name` for a smoothing length (m) and a dimension (2 or 3), or `None` if nobody registered it.
     #[must_use]
     pub fn scaled(&self, name: &str, smoothing_length: f64, dimension: usize) -> Option<SmoothingKernel> {
-        let (_, factory) = self.entries.iter().find(|(known, _)| known == name)?;
+        let (_, factory, _) = self.entries.iter().find(|(known, ..)| known == name)?;
         Some(SmoothingKernel(factory(smoothing_length, dimension)))
     }
 }

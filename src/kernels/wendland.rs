@@ -2,6 +2,8 @@
 
 use std::f64::consts::PI;
 
+use schemars::JsonSchema;
+
 use super::Kernel;
 
 /// Wendland C2 (Wendland 1995; in SPH: Dehnen & Aly 2012), support 2h:
@@ -9,7 +11,7 @@ use super::Kernel;
 /// `w(q) = (1 − q/2)₊⁴ (1 + 2q)`, `W = α_d w(q) / h^d`, `α_2 = 7/(4π)`, `α_3 = 21/(16π)`.
 ///
 /// In one dimension the kernel of this smoothness is another polynomial; scenes have two or three.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default, JsonSchema)]
 pub struct WendlandC2;
 
 impl Kernel for WendlandC2 {

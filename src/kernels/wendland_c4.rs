@@ -2,6 +2,8 @@
 
 use std::f64::consts::PI;
 
+use schemars::JsonSchema;
+
 use super::Kernel;
 
 /// Wendland C4 (Wendland 1995; in SPH: Dehnen & Aly 2012), support 2h:
@@ -9,7 +11,7 @@ use super::Kernel;
 /// `w(q) = (1 − q/2)₊⁶ (1 + 3q + 35/12 q²)`, `W = α_d w(q) / h^d`, `α_2 = 9/(4π)`, `α_3 = 495/(256π)`.
 ///
 /// In one dimension the kernel of this smoothness is another polynomial; scenes have two or three.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default, JsonSchema)]
 pub struct WendlandC4;
 
 impl Kernel for WendlandC4 {

@@ -5,6 +5,7 @@ use std::path::Path;
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::IntoScheduleConfigs;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::frames::{write_bodies, write_particles};
@@ -23,12 +24,14 @@ use crate::scene::{Document, Invalid, SceneDocument, SceneFacts, SceneInfo, Scen
 use crate::schedule::{Output, OutputStage};
 
 /// Section `log`: how often outputs are written.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct LogSection {
     /// Interval (s) of the frames of particles; `None` for a fiftieth of the run.
+    #[schemars(extend("unit" = "s", "exclusiveMinimum" = 0.0, "derived" = "a fiftieth of the run"))]
     pub particles: Option<f64>,
     /// Interval (s) of probes, loads, energy and step records; `None` for a five-hundredth of the run.
+    #[schemars(extend("unit" = "s", "exclusiveMinimum" = 0.0, "derived" = "a five-hundredth of the run"))]
     pub series: Option<f64>,
 }
 

@@ -3,6 +3,7 @@
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use glam::DVec3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::grid::Grid;
@@ -17,13 +18,15 @@ use crate::schedule::Stage;
 
 /// How neighbour lists are kept: section `neighbours` of a scene. It decides about speed; results change by rounding
 /// only.
-#[derive(Resource, Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Resource, Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct NeighbourSettings {
     /// Width of the skin, in units of the kernel's support radius: pairs up to (1 + skin) radii apart are listed, and
     /// lists serve until a particle has moved by half the skin.
+    #[schemars(range(min = 0.0, max = 1.0), extend("unit" = "support radii"))]
     pub skin: f64,
     /// Fluid particles are re-sorted in memory at every so many-th build of the lists; 0 for never.
+    #[schemars(extend("unit" = "builds of lists"))]
     pub sort_every: u32,
 }
 

@@ -2,6 +2,7 @@
 
 use bevy_ecs::prelude::*;
 use glam::DVec3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Marks a fluid particle.
@@ -134,7 +135,7 @@ pub struct GhostVelocity(pub DVec3);
 pub struct Volume(pub f64);
 
 /// Whether the fluid sticks to a wall or slides along it.
-#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum Slip {
     /// The fluid sticks: at the wall its velocity is the wall's.

@@ -5,11 +5,13 @@ use std::collections::HashSet;
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use indexmap::IndexMap;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::app::StoreggaApp;
 use crate::particles::ReferenceDensity;
 use crate::rheology::{RheologyFacts, RheologyRegistry};
+use crate::scene::schema::Open;
 use crate::scene::{Deferred, Invalid, SceneDocument, SceneFacts, SceneSection, SectionError};
 
 /// A liquid. The entity also has its [`ReferenceDensity`] and, as a component, the parameters of its rheology.
@@ -24,18 +26,20 @@ pub struct Phase {
 }
 
 /// Section `phases`: the liquids by name.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(transparent)]
 pub struct PhasesSection(IndexMap<String, PhaseSpec>);
 
 /// One phase of a scene.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PhaseSpec {
     /// Reference density ρ0 (kg/m³).
+    #[schemars(extend("unit" = "kg/m³", "exclusiveMinimum" = 0.0))]
     pub reference_density: f64,
     /// Rheology: the name of a registered one with its parameters.
     #[serde(skip_serializing)]
+    #[schemars(with = "Open<RheologyRegistry>")]
     pub rheology: Deferred,
 }
 

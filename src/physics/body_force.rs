@@ -5,6 +5,7 @@
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::clock::Clock;
@@ -21,7 +22,7 @@ pub struct Gravity {
 }
 
 /// How the fluids come to rest before anything is measured: section `settling` of a scene.
-#[derive(Resource, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Resource, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum Settling {
     /// Not at all.
@@ -30,13 +31,16 @@ pub enum Settling {
     /// Velocities are damped for a while: dv/dt = … − rate·v.
     Damping {
         /// Time (s) until which the damping acts.
+        #[schemars(extend("unit" = "s", "exclusiveMinimum" = 0.0))]
         until: f64,
         /// Rate (1/s).
+        #[schemars(extend("unit" = "1/s", "exclusiveMinimum" = 0.0))]
         rate: f64,
     },
     /// Gravity grows smoothly from nothing.
     GravityRamp {
         /// Time (s) from which gravity acts in full.
+        #[schemars(extend("unit" = "s", "exclusiveMinimum" = 0.0))]
         until: f64,
     },
 }

@@ -10,6 +10,7 @@
 
 use bevy_ecs::prelude::*;
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{EquationOfState, Gravity};
@@ -21,7 +22,7 @@ use crate::particles::{
 use crate::scene::{Invalid, Resolution, SceneSection, SectionError};
 
 /// Which diffusion acts on the density: section `diffusion` of a scene.
-#[derive(Resource, Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Resource, Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum DensityDiffusion {
     /// None.
@@ -29,11 +30,13 @@ pub enum DensityDiffusion {
     /// Eqs. 10 and 11 as they stand.
     Molteni {
         /// Strength δ (dimensionless), usually 0.1.
+        #[schemars(range(min = 0.0, max = 1.0), extend("unit" = "1"))]
         delta: f64,
     },
     /// Without the part that a column at rest has.
     Hydrostatic {
         /// Strength δ (dimensionless), usually 0.1.
+        #[schemars(range(min = 0.0, max = 1.0), extend("unit" = "1"))]
         delta: f64,
     },
 }

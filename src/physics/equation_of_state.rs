@@ -6,24 +6,29 @@
 
 use bevy_ecs::prelude::*;
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::clock::Clock;
 use crate::particles::{Density, DensityRate, Fluid, GRAIN, PIECE, Pressure, ReferenceDensity};
 use crate::scene::{Invalid, SceneSection, SectionError};
 
-/// What the scene says about the equation of state: its section `equation_of_state`.
-#[derive(Resource, Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+/// Equation of state, Eqs. 7–9: section `equation_of_state` of a scene.
+#[derive(Resource, Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct StateSettings {
-    /// Greatest pressure p_max (Pa) expected, or `None` to estimate it from the depth of the fluids.
+    /// Greatest pressure p_max (Pa) expected; `None` for an estimate from the depth of the fluids.
+    #[schemars(range(min = 0.0), extend("unit" = "Pa", "derived" = "follows from the depth of the fluids"))]
     pub max_pressure: Option<f64>,
-    /// Greatest speed v_max (m/s) expected, or `None` to estimate it: the greatest of a dam break's, 2√(gH),
+    /// Greatest speed v_max (m/s) expected; `None` for an estimate: the greatest of a dam break's, 2√(gH),
     /// of the fluids' at the start, and of walls and structures that move.
+    #[schemars(range(min = 0.0), extend("unit" = "m/s", "derived" = "follows: the greatest of a dam break's, 2√(gH), of the fluids' at the start and of moving bodies"))]
     pub max_speed: Option<f64>,
     /// Ratio of the sound speed to the greater of √(p_max/ρ0) and v_max (Eq. 8).
+    #[schemars(range(min = 1.0), extend("unit" = "1"))]
     pub sound_speed_ratio: f64,
     /// Background pressure χ (Pa); above 0 only where there is no free surface.
+    #[schemars(range(min = 0.0), extend("unit" = "Pa"))]
     pub background_pressure: f64,
 }
 

@@ -6,6 +6,7 @@
 
 use bevy_ecs::prelude::*;
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{ImpactPressure, PressureAverage, PressureForm, ViscousForce, ViscousForm};
@@ -17,7 +18,7 @@ use crate::particles::{
 use crate::scene::{SceneSection, SectionError};
 
 /// Forms of the two forces between particles: section `momentum` of a scene.
-#[derive(Resource, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Resource, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct MomentumSettings {
     /// Average of the pressures of a pair.

@@ -3,12 +3,13 @@
 //! `m_i dv_i/dt = −Σ_j (p_i V_i² + p_j V_j²) ∇_iW_ij`, antisymmetric in i and j; or, after Adami et al. 2012,
 //! `−Σ_j (V_i² + V_j²) p̃_ij ∇_iW_ij`, `p̃_ij = (ρ_j p_i + ρ_i p_j)/(ρ_i + ρ_j)`.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::momentum::Momentum;
 
 /// Which average of the two pressures drives a pair apart.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum PressureForm {
     /// p_i V_i² + p_j V_j² (Eq. 6).

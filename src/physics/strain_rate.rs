@@ -10,6 +10,7 @@ use std::array::from_fn;
 
 use bevy_ecs::prelude::*;
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::neighbours::{Neighbours, sum_pairs};
@@ -20,7 +21,7 @@ use crate::particles::{
 use crate::scene::{SceneSection, SectionError};
 
 /// How ∇v is computed: section `strain_rate` of a scene.
-#[derive(Resource, Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Resource, Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct StrainSettings {
     /// Correct the kernel's gradient, so that a linear velocity field has its exact shear rate at walls and surfaces.

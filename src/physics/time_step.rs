@@ -6,6 +6,7 @@
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::EquationOfState;
@@ -17,14 +18,17 @@ use crate::particles::{
 use crate::scene::{Invalid, Resolution, SceneSection, SectionError};
 
 /// Coefficients of Eq. 19: section `time_step` of a scene.
-#[derive(Resource, Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Resource, Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct TimeStepSettings {
     /// C_s of the sound limit (dimensionless).
+    #[schemars(range(max = 2.0), extend("unit" = "1", "exclusiveMinimum" = 0.0))]
     pub sound: f64,
     /// C_ν of the viscous limit (dimensionless).
+    #[schemars(range(max = 2.0), extend("unit" = "1", "exclusiveMinimum" = 0.0))]
     pub viscosity: f64,
     /// C_a of the acceleration limit (dimensionless).
+    #[schemars(range(max = 2.0), extend("unit" = "1", "exclusiveMinimum" = 0.0))]
     pub acceleration: f64,
 }
 

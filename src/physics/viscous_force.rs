@@ -6,6 +6,7 @@
 //! - Central form, after Monaghan & Gingold 1983: `Σ_j (d+2) μ̄_ij (V_i² + V_j²) (r_ij·v_ij)/r² ∇_iW_ij`. It discretises
 //!   ∇·(2μD) and conserves both momenta.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::momentum::Momentum;
@@ -13,7 +14,7 @@ use crate::neighbours::Pair;
 use crate::particles::Vector;
 
 /// Which form the viscous force has.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum ViscousForm {
     /// Along v_ij (Eq. 12).

@@ -20,6 +20,7 @@ use std::f64::consts::PI;
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::EquationOfState;
@@ -31,7 +32,7 @@ use crate::particles::{
 use crate::scene::{Resolution, SceneSection, SectionError};
 
 /// Whether walls and structures stop fluid that comes too near: section `wall_impact` of a scene.
-#[derive(Resource, Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Resource, Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum WallImpact {
     /// Ghost pressure (Eq. 15) alone, as in the paper: thin jets can enter walls.

@@ -2,6 +2,7 @@
 
 use bevy_ecs::prelude::*;
 use glam::DVec3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::parameters::{direction, phase};
@@ -11,16 +12,18 @@ use crate::particles::{Fluid, Mass, PhaseIndex, Position};
 use crate::scene::Invalid;
 use crate::scene::geometry::Point;
 
-/// Centre of mass `Σ m x / Σ m` of a phase, its velocity `Σ m v / Σ m`, and how far it has gone since the start.
+/// Centre of mass `Σ m x / Σ m` of a phase: `x`, `y`, `z` (m), its velocity `Σ m v / Σ m`: `vx`, `vy`, `vz` (m/s), and how far it
+/// has gone since the start: `displacement` (m).
 ///
 /// Along a periodic axis, where particles re-enter, only the velocity means something: displacements leave it out.
-#[derive(Component, Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Component, Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CenterOfMass {
     /// Name of the phase.
     pub phase: String,
     /// Direction along which the displacement counts; its length does not matter. `None` for its magnitude.
     #[serde(default)]
+    #[schemars(extend("unit" = "1", "derived" = "the magnitude of the displacement"))]
     pub direction: Option<Point>,
     #[serde(skip)]
     index: u32,

@@ -1,6 +1,7 @@
 //! Error of the velocity in a plane channel.
 
 use bevy_ecs::prelude::*;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::parameters::phase;
@@ -12,12 +13,12 @@ use crate::rheology::{HerschelBulkley, Newtonian};
 use crate::scene::Invalid;
 use crate::scene::geometry::Axis;
 
-/// Relative L2 error `√( Σ V (u − û)² / Σ V û² )` of the velocity u along a plane channel against the exact steady flow û
+/// Relative L2 error, `l2`: `√( Σ V (u − û)² / Σ V û² )` of the velocity u along a plane channel against the exact steady flow û
 /// ([`ChannelFlow`]) that the gravity along it drives. The phase is Newtonian or Herschel–Bulkley.
 ///
-/// The plug's velocity is the mean over particles nearer to the mid-plane than s0, or than one spacing if the plug is
+/// The `plug_velocity` (m/s, beside the `exact_plug_velocity`) is the mean over particles nearer to the mid-plane than s0, or than one spacing if the plug is
 /// thinner.
-#[derive(Component, Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Component, Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ChannelError {
     /// Name of the phase.
@@ -27,6 +28,7 @@ pub struct ChannelError {
     /// Axis across the channel.
     pub across: Axis,
     /// Coordinates (m) of the two walls on that axis.
+    #[schemars(extend("unit" = "m"))]
     pub walls: (f64, f64),
     #[serde(skip)]
     index: u32,

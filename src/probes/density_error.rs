@@ -2,6 +2,7 @@
 
 use bevy_ecs::prelude::*;
 use glam::DVec3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{Probe, SeriesField, State};
@@ -9,12 +10,12 @@ use crate::boundary::{BodyShape, Motion};
 use crate::scene::geometry::Shape;
 use crate::scene::{FilledFluids, Invalid};
 
-/// Compression `|ρ/ρ0 − 1|` of the fluid, the greatest and the root mean square over particles, and two counts of
+/// Compression |ρ/ρ0 − 1| of the fluid, the `greatest` and the root mean square `rms` over particles, and two counts of
 /// particles:
 ///
 /// - `lost`: outside the box that bounds all walls, their openings, structures and fluids of the start;
 /// - `inside_wall`: deeper than half a spacing in a wall or structure that does not move.
-#[derive(Component, Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Component, Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DensityError {
     #[serde(skip)]

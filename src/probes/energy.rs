@@ -2,6 +2,7 @@
 
 use bevy_ecs::prelude::*;
 use glam::DVec3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{Probe, SeriesField, State};
@@ -13,7 +14,7 @@ use super::{Probe, SeriesField, State};
 ///   `Σ (m/ρ0) B (ln β + 1/β − 1)`.
 ///
 /// A series of every run, `energy`.
-#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Energy;
 

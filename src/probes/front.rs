@@ -2,6 +2,7 @@
 
 use bevy_ecs::prelude::*;
 use glam::DVec3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::parameters::{direction, phase};
@@ -10,13 +11,15 @@ use crate::neighbours::PeriodicSides;
 use crate::scene::Invalid;
 use crate::scene::geometry::Point;
 
-/// The foremost particle of a phase: position `max x·n` and velocity `v·n` along the unit vector n.
-#[derive(Component, Debug, Clone, PartialEq, Serialize, Deserialize)]
+/// The foremost particle of a phase: `position` max x·n (m) and `velocity` v·n (m/s) along the
+/// unit vector n.
+#[derive(Component, Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Front {
     /// Name of the phase.
     pub phase: String,
     /// Direction in which the phase advances; its length does not matter.
+    #[schemars(extend("unit" = "1"))]
     pub direction: Point,
     #[serde(skip)]
     resolved: (u32, DVec3),

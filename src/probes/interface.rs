@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use bevy_ecs::prelude::*;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::parameters::phase;
@@ -10,9 +11,9 @@ use super::{Probe, SeriesField, State};
 use crate::physics::Gravity;
 use crate::scene::{Invalid, vertical};
 
-/// Highest and lowest place of a phase's upper surface, which in each column of width dp lies dp/2 above the highest
+/// Highest and lowest place of a phase's upper surface, `highest` and `lowest` (m), which in each column of width dp lies dp/2 above the highest
 /// particle. Heights count along −g from the origin.
-#[derive(Component, Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Component, Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Interface {
     /// Name of the phase.

@@ -2,6 +2,7 @@
 
 use bevy_ecs::prelude::*;
 use glam::DVec3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::parameters::{place, up};
@@ -18,11 +19,12 @@ use crate::scene::{Column, FilledFluids, Invalid, Resolution};
 /// against the layers that were filled, at rest: `compressible` with the model's own exact solution
 /// `p̂ + B = (p̂_top + B) e^(ρ0 g depth/B)`, `incompressible` with the weight above, which differs from it by about p/(2B)
 /// at any spacing. Pressures count from χ.
-#[derive(Component, Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Component, Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HydrostaticError {
     /// A point of the vertical (m) on which the layers are taken; `None` for the middle of the fluids.
     #[serde(default)]
+    #[schemars(extend("unit" = "m", "derived" = "the middle of the fluids"))]
     pub at: Option<Point>,
     #[serde(skip)]
     column: Column,

@@ -2,6 +2,7 @@
 
 use bevy_ecs::prelude::*;
 use glam::DVec3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::parameters::place;
@@ -9,15 +10,16 @@ use super::{Probe, SeriesField, State};
 use crate::scene::Invalid;
 use crate::scene::geometry::Point;
 
-/// Pressure at a place x by the formula for ghosts (Eq. 15; Adami et al. 2012):
+/// `pressure` (Pa) at a place x by the formula for ghosts (Eq. 15; Adami et al. 2012):
 ///
 /// `p = [Σ_f p_f W_f + g·Σ_f ρ_f (x − x_f) W_f] / Σ_f W_f`
 ///
 /// At rest it is exact up to the curvature of p over a kernel, on a wall and off it.
-#[derive(Component, Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Component, Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PressurePoint {
     /// The place (m).
+    #[schemars(extend("unit" = "m"))]
     pub at: Point,
 }
 

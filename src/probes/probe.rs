@@ -3,6 +3,7 @@
 use bevy_app::App;
 use bevy_ecs::component::Mutable;
 use bevy_ecs::prelude::*;
+use schemars::JsonSchema;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -10,6 +11,7 @@ use super::{Series, SeriesField, State, StateParam};
 use crate::checkpoint::SavedState;
 use crate::error::UserError;
 use crate::outputs::{OutputKind, OutputTimes};
+use crate::scene::schema::{Describe, OpenEnum, describe};
 use crate::scene::{Document, Invalid, Named, SceneFacts, SceneInfo, flatten};
 use crate::schedule::{Output, OutputStage};
 
@@ -18,7 +20,7 @@ use crate::schedule::{Output, OutputStage};
 /// What `prepare` finds out, and memory that `measure` reuses, are fields with `#[serde(skip)]`. A probe remembers nothing
 /// from one row to the next: a resumed run makes it anew. A sum over time is a resource or a component of its own, registered
 /// with [`register_saved`](crate::app::StoreggaApp::register_saved).
-pub trait Probe: Component<Mutability = Mutable> + Serialize + DeserializeOwned {
+pub trait Probe: Component<Mutability = Mutable> + Serialize + DeserializeOwned + JsonSchema {
     /// What is measured, for the log.
     fn description(&self) -> String;
 
@@ -52,16 +54,24 @@ type Read = fn(&Document, &Named<'_>, &str, &mut World) -> Result<(), UserError>
 /// The probes that a scene can name.
 #[derive(Resource, Default, Clone)]
 pub struct ProbeRegistry {
-    entries: Vec<(String, Read)>,
+    entries: Vec<(String, Read, Describe)>,
     systems: usize,
+}
+
+impl OpenEnum for ProbeRegistry {
+    const NAME: &'static str = "probe";
+
+    fn variants(&self) -> impl Iterator<Item = (&str, Describe)> {
+        self.entries.iter().map(|(name, _, describe)| (name.as_str(), *describe))
+    }
 }
 
 impl ProbeRegistry {
     /// Lets scenes name the probe `P`.
     pub(crate) fn register<P: Probe>(app: &mut App, name: &str) {
         let mut registry = app.world_mut().get_resource_or_init::<Self>();
-        registry.entries.retain(|(known, _)| known != name);
-        registry.entries.push((name.to_owned(), read::<P>));
+        registry.entries.retain(|(known, ..)| known != name);
+        registry.entries.push((name.to_owned(), read::<P>, describe::<P>));
         Self::add_system::<P>(app);
     }
 
@@ -83,7 +93,7 @@ impl ProbeRegistry {
 
     /// Names that a scene can use.
     pub fn names(&self) -> impl Iterator<Item = &str> {
-        self.entries.iter().map(|(name, _)| name.as_str())
+        self.entries.iter().map(|(name, ..)| name.as_str())
     }
 
     /// Reads the probe called `name` from the scene and spawns it.
@@ -96,7 +106,7 @@ impl ProbeRegistry {
             return Err(document.invalid(&Invalid::new(path, "a name of a probe may not contain a dot")));
         };
         let named = document.named(node)?;
-        let Some((_, read)) = self.entries.iter().find(|(known, _)| known == named.name) else {
+        let Some((_, read, _)) = self.entries.iter().find(|(known, ..)| known == named.name) else {
             let known: Vec<&str> = self.names().collect();
             return Err(document.unknown_name_error(named.span, "probe", named.name, &known));
         };

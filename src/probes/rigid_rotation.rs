@@ -1,6 +1,7 @@
 //! How near a phase is to turning like a rigid body.
 
 use bevy_ecs::prelude::*;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::parameters::phase;
@@ -11,13 +12,13 @@ use crate::scene::{Invalid, Resolution};
 
 /// Distance of a phase from the rigid rotation `v̂ = ω e × (x − c)`, r being the distance from its axis:
 ///
-/// - `rate`, the rate that has the phase's angular momentum: `e·Σ m (x − c) × v / Σ m r²`;
+/// - `rate` (rad/s), the rate that has the phase's angular momentum: `e·Σ m (x − c) × v / Σ m r²`;
 /// - `velocity`, the relative L2 error `√(Σ V |v − v̂|² / Σ V |v̂|²)`;
 /// - `pressure`, the relative L2 error `√(Σ V (p − p̂)² / Σ V (½ ρ0 ω² r²)²)` against `p̂ = p_0 + ½ ρ0 ω² r²`; what p_0 is on the
 ///   axis the filling decides, so it is taken as the mean of `p − ½ ρ0 ω² r²`;
 /// - `slip`, the mean of `e·(x − c) × v/(ω r²) − 1` over the outermost layer of particles, which lies within 1½ spacings of the one
 ///   that was outermost at the start.
-#[derive(Component, Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Component, Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RigidRotationError {
     /// Name of the phase.

@@ -2,17 +2,19 @@
 
 use bevy_ecs::prelude::*;
 use indexmap::IndexMap;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize, Serializer};
 
 use super::probe::{ProbeRegistry, spawn_probe};
 use super::{Energy, Series, StructureLoad};
 use crate::boundary::{Body, Structure};
+use crate::scene::schema::Open;
 use crate::scene::{Deferred, Invalid, SceneDocument, SceneSection, SectionError};
 
-/// Section `probes`: the probes by name. A name is that of a series, too.
-#[derive(Debug, Clone, Default, Deserialize)]
+/// Section `probes`: what is measured, by name. The name is that of its series, too.
+#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(transparent)]
-pub struct ProbesSection(IndexMap<String, Deferred>);
+pub struct ProbesSection(#[schemars(with = "IndexMap<String, Open<ProbeRegistry>>")] IndexMap<String, Deferred>);
 
 /// As the list of names: each probe notes its own parameters.
 impl Serialize for ProbesSection {

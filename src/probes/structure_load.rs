@@ -1,13 +1,14 @@
 //! Load on a structure, as a series.
 
 use bevy_ecs::prelude::*;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{Probe, SeriesField, State};
 
 /// Force and moment of the fluid on a structure (Eqs. 17, 18), with their parts from pressure and from viscous stress, and
 /// the area or volume that its particles fill. A series of every structure, under its name.
-#[derive(Component, Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Component, Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StructureLoad {
     structure: String,

@@ -2,6 +2,7 @@
 
 use bevy_ecs::prelude::*;
 use glam::DVec3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::parameters::{place, up};
@@ -9,15 +10,16 @@ use super::{Probe, SeriesField, State};
 use crate::scene::Invalid;
 use crate::scene::geometry::Point;
 
-/// Height of the free surface on the vertical through a place: the highest one at which `Σ_f V_f W_f`, 1 inside the
+/// `height` (m) of the free surface on the vertical through a place: the highest one at which `Σ_f V_f W_f`, 1 inside the
 /// fluid and 0 outside, passes ½. Samples dp/4 apart from the top down, joined linearly. Heights count along −g from
 /// the origin.
 ///
 /// Nearer to a wall than the kernel reaches, part of the sum is missing and the surface comes out too low.
-#[derive(Component, Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Component, Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SurfaceHeight {
     /// A point of the vertical (m); how high it lies does not matter.
+    #[schemars(extend("unit" = "m"))]
     pub at: Point,
     #[serde(skip)]
     up: DVec3,

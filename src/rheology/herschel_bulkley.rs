@@ -6,22 +6,27 @@
 //! - capped: `μ ← min(μ, μ_max)`.
 
 use bevy_ecs::prelude::Component;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{FlowCurve, Rheology};
 use crate::scene::Invalid;
 
 /// `μ = η γ̇^(K−1) + τ_y/γ̇` (Eq. 13), regularised.
-#[derive(Component, Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Component, Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HerschelBulkley {
     /// Consistency η (Pa s^K).
+    #[schemars(range(min = 0.0), extend("unit" = "Pa s^K"))]
     pub consistency: f64,
     /// Power-law exponent K (dimensionless); below 1 the fluid thins, above 1 it thickens.
+    #[schemars(extend("unit" = "1", "exclusiveMinimum" = 0.0))]
     pub exponent: f64,
     /// Yield stress τ_y (Pa).
+    #[schemars(range(min = 0.0), extend("unit" = "Pa"))]
     pub yield_stress: f64,
     /// Cap μ_max (Pa s) of the viscosity; it enters the time step (Eq. 19).
+    #[schemars(extend("unit" = "Pa s", "exclusiveMinimum" = 0.0))]
     pub max_viscosity: f64,
     /// How the yield stress is regularised at rest.
     #[serde(default)]
@@ -29,7 +34,7 @@ pub struct HerschelBulkley {
 }
 
 /// How `τ_y/γ̇` is kept finite at rest.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum Regularisation {
     /// By the cap μ_max alone (a bi-viscous fluid).
@@ -38,6 +43,7 @@ pub enum Regularisation {
     /// `τ_y (1 − e^(−m γ̇))/γ̇`, and by the cap.
     Papanastasiou {
         /// Growth time m (s): the stress reaches τ_y at shear rates well above 1/m.
+        #[schemars(extend("unit" = "s", "exclusiveMinimum" = 0.0))]
         m: f64,
     },
 }

@@ -1,16 +1,18 @@
 //! A Newtonian fluid: μ is constant.
 
 use bevy_ecs::prelude::Component;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{FlowCurve, Rheology};
 use crate::scene::Invalid;
 
 /// `μ = const`.
-#[derive(Component, Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Component, Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Newtonian {
     /// Dynamic viscosity μ (Pa s).
+    #[schemars(range(min = 0.0), extend("unit" = "Pa s"))]
     pub viscosity: f64,
 }
 

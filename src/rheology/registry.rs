@@ -3,16 +3,18 @@
 use bevy_ecs::component::Mutable;
 use bevy_ecs::prelude::*;
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::error::UserError;
 use crate::particles::{Fluid, GRAIN, PIECE, PhaseIndex, Pressure, ShearRate, Viscosity};
 use crate::phases::Phase;
+use crate::scene::schema::{Describe, OpenEnum, describe};
 use crate::scene::{Document, Invalid, Named, flatten};
 
 /// Parameters of a rheology: what a scene writes behind its name, and a component of its phase.
-pub trait Rheology: Component<Mutability = Mutable> + Serialize + DeserializeOwned + Clone {
+pub trait Rheology: Component<Mutability = Mutable> + Serialize + DeserializeOwned + JsonSchema + Clone {
     /// Refuses parameters that make no physical sense.
     ///
     /// # Errors
@@ -47,22 +49,30 @@ type Read = fn(&Document, &Named<'_>, &str, &mut EntityWorldMut) -> Result<Rheol
 /// The rheologies that a scene can name.
 #[derive(Resource, Default)]
 pub struct RheologyRegistry {
-    entries: Vec<(String, Read)>,
+    entries: Vec<(String, Read, Describe)>,
     registrations: usize,
+}
+
+impl OpenEnum for RheologyRegistry {
+    const NAME: &'static str = "rheology";
+
+    fn variants(&self) -> impl Iterator<Item = (&str, Describe)> {
+        self.entries.iter().map(|(name, _, describe)| (name.as_str(), *describe))
+    }
 }
 
 impl RheologyRegistry {
     /// Registers `R` in the place of what had its name; how many registrations there have been.
     pub(crate) fn register<R: Rheology>(&mut self, name: &str) -> usize {
-        self.entries.retain(|(known, _)| known != name);
-        self.entries.push((name.to_owned(), read::<R>));
+        self.entries.retain(|(known, ..)| known != name);
+        self.entries.push((name.to_owned(), read::<R>, describe::<R>));
         self.registrations += 1;
         self.registrations
     }
 
     /// Names that a scene can use.
     pub fn names(&self) -> impl Iterator<Item = &str> {
-        self.entries.iter().map(|(name, _)| name.as_str())
+        self.entries.iter().map(|(name, ..)| name.as_str())
     }
 
     /// Reads the rheology at `path` of the scene and gives it to the phase `entity`.
@@ -79,7 +89,7 @@ impl RheologyRegistry {
             return Err(document.invalid(&Invalid::new(path, "a rheology is needed here")));
         };
         let named = document.named(node)?;
-        let Some((name, read)) = self.entries.iter().find(|(known, _)| known == named.name) else {
+        let Some((name, read, _)) = self.entries.iter().find(|(known, ..)| known == named.name) else {
             let known: Vec<&str> = self.names().collect();
             return Err(document.unknown_name_error(named.span, "rheology", named.name, &known));
         };

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use bevy_ecs::prelude::*;
 use glam::DVec3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::columns::Depths;
@@ -16,24 +17,28 @@ use crate::particles::{Density, Fluid, Mass, ParticleId, PhaseIndex, Position, P
 use crate::phases::{phase_named, phases};
 use crate::physics::{EquationOfState, GREATEST_COMPRESSION, Gravity, Settling, StateSettings};
 
-/// Section `fluids`: what is filled with which phase.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+/// Section `fluids`: what is filled with which phase. Fluids must not overlap (a place on a common edge belongs to the
+/// first); walls and structures displace them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(transparent)]
 pub struct FluidsSection(Vec<FluidSpec>);
 
 /// A body of fluid at the start.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FluidSpec {
     /// Name of its phase.
     pub phase: String,
     /// What it fills (m). Structures displace it.
+    #[schemars(extend("unit" = "m"))]
     pub shape: Shape,
     /// Velocity (m/s) at the start; `None` for rest.
     #[serde(default)]
+    #[schemars(extend("unit" = "m/s", "derived" = "at rest"))]
     pub velocity: Option<Point>,
     /// Rigid rotation at the start, besides; `None` for none.
     #[serde(default)]
+    #[schemars(extend("derived" = "none"))]
     pub rotation: Option<RigidRotation>,
     /// Pressure at the start.
     #[serde(default)]
@@ -60,16 +65,18 @@ impl FluidSpec {
 
 /// Pressure of a fluid at the start; its density follows from Eq. 7, and the mass of a particle from its density, so
 /// that the fluid fills its space.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum InitialPressure {
     /// That of the stacked layers above it, at rest and compressed by their weight.
     #[default]
     Hydrostatic,
     /// One value above the background pressure (Pa).
+    #[schemars(extend("unit" = "Pa"))]
     Uniform(f64),
     /// That of the fluid's own `rotation`: this value above the background pressure (Pa) on the axis, and ½ ρ0 ω² r² more at a
     /// distance r from it.
+    #[schemars(extend("unit" = "Pa"))]
     Centrifugal(f64),
 }
 

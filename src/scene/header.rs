@@ -1,6 +1,7 @@
 //! The head of a scene: dimension, resolution, gravity, time, periodic sides, kernel.
 
 use bevy_ecs::prelude::*;
+use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
@@ -44,33 +45,47 @@ pub struct SceneInfo {
 }
 
 /// Fields at the top of a scene.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Header {
     /// What the scene shows, in a line.
+    #[schemars(default)]
     pub title: String,
     /// 2 (the plane z = 0; masses and forces are per metre of length) or 3.
+    #[schemars(range(min = 2, max = 3), extend("unit" = "1"))]
     pub dimension: usize,
     /// Initial distance dp (m) of particles.
+    #[schemars(extend("unit" = "m", "exclusiveMinimum" = 0.0))]
     pub spacing: f64,
     /// Smoothing length in units of the spacing, h/dp.
+    #[schemars(default = "default_smoothing_ratio", range(min = 0.8, max = 3.0), extend("unit" = "1"))]
     pub smoothing_ratio: f64,
     /// Gravity g (m/s²).
+    #[schemars(extend("unit" = "m/s²"))]
     pub gravity: Point,
     /// End of the run (s).
+    #[schemars(extend("unit" = "s", "exclusiveMinimum" = 0.0))]
     pub end_time: f64,
     /// Periodic sides.
+    #[schemars(default, extend("derived" = "no sides"))]
     pub periodic: Periodic,
 }
 
+const fn default_smoothing_ratio() -> f64 {
+    1.2
+}
+
 /// Axes along which the scene repeats itself: the coordinates (m) of the two sides that are one and the same.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Periodic {
     /// Sides x = from and x = to.
+    #[schemars(extend("unit" = "m", "derived" = "no sides"))]
     pub x: Option<(f64, f64)>,
     /// Sides y = from and y = to.
+    #[schemars(extend("unit" = "m", "derived" = "no sides"))]
     pub y: Option<(f64, f64)>,
     /// Sides z = from and z = to.
+    #[schemars(extend("unit" = "m", "derived" = "no sides"))]
     pub z: Option<(f64, f64)>,
 }
 
@@ -85,7 +100,7 @@ impl Header {
             title: optional(document, "title", String::new())?,
             dimension: required(document, "dimension", "2 or 3")?,
             spacing: required(document, "spacing", "the initial distance of particles (m)")?,
-            smoothing_ratio: optional(document, "smoothing_ratio", 1.2)?,
+            smoothing_ratio: optional(document, "smoothing_ratio", default_smoothing_ratio())?,
             gravity: required(document, "gravity", "(x, y) or (x, y, z) in m/s²")?,
             end_time: required(document, "end_time", "the end of the run (s)")?,
             periodic: optional(document, "periodic", Periodic::default())?,
@@ -139,7 +154,7 @@ fn optional<T: DeserializeOwned>(document: &Document, field: &str, default: T) -
 }
 
 /// The kernel that a scene takes if it names none.
-const DEFAULT_KERNEL: &str = "QuinticSpline";
+pub(super) const DEFAULT_KERNEL: &str = "QuinticSpline";
 
 /// Puts the head of a scene into resources.
 pub(super) fn load_header(document: &Document, header: Header, world: &mut World) -> Result<(), UserError> {

@@ -10,6 +10,7 @@ mod hydrostatics;
 pub mod invalid;
 mod limits;
 mod load;
+pub mod schema;
 mod section;
 mod variant;
 

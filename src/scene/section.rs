@@ -1,9 +1,11 @@
 //! Sections of a scene: what each plugin reads, and how it becomes entities and resources.
 
 use bevy_ecs::prelude::*;
+use schemars::JsonSchema;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use super::schema::{Describe, describe};
 use super::{Document, Invalid, flatten};
 use crate::error::UserError;
 
@@ -31,8 +33,9 @@ impl From<UserError> for SectionError {
 /// A part of the scene that one plugin owns: a field of `Scene(…)` and the type it is read into.
 ///
 /// Sections are read strictly (put `#[serde(deny_unknown_fields)]` on every struct and enum), checked, and spawned in
-/// the order in which they were registered, so that a later one finds what an earlier one made.
-pub trait SceneSection: Serialize + DeserializeOwned + Send + Sync + 'static {
+/// the order in which they were registered, so that a later one finds what an earlier one made. Doc comments, and units and
+/// ranges in `#[schemars(…)]`, make the reference page and the JSON Schema of scenes ([`schema`](super::schema)).
+pub trait SceneSection: Serialize + DeserializeOwned + JsonSchema + Send + Sync + 'static {
     /// Name of the field.
     const NAME: &'static str;
 
@@ -84,24 +87,39 @@ impl SceneFacts {
 
 type Load = fn(&Document, &mut World) -> Result<(), UserError>;
 
+/// A section that a scene can have.
+#[derive(Clone, Copy)]
+pub(super) struct SectionEntry {
+    pub(super) name: &'static str,
+    load: Load,
+    pub(super) describe: Describe,
+    /// The section of a scene that does not mention it; none if it has to, null if JSON has no word for it.
+    pub(super) when_absent: fn() -> Option<serde_json::Value>,
+}
+
 /// The sections that a scene can have.
 #[derive(Resource, Default, Clone)]
 pub struct SectionRegistry {
-    entries: Vec<(&'static str, Load)>,
+    pub(super) entries: Vec<SectionEntry>,
 }
 
 impl SectionRegistry {
     pub(crate) fn register<S: SceneSection>(&mut self) {
-        self.entries.retain(|(name, _)| *name != S::NAME);
-        self.entries.push((S::NAME, load::<S>));
+        self.entries.retain(|entry| entry.name != S::NAME);
+        self.entries.push(SectionEntry {
+            name: S::NAME,
+            load: load::<S>,
+            describe: describe::<S>,
+            when_absent: || S::when_absent().map(|section| serde_json::to_value(section).unwrap_or_default()),
+        });
     }
 
     pub(super) fn names(&self) -> impl Iterator<Item = &'static str> {
-        self.entries.iter().map(|(name, _)| *name)
+        self.entries.iter().map(|entry| entry.name)
     }
 
     pub(super) fn load_all(&self, document: &Document, world: &mut World) -> Result<(), UserError> {
-        self.entries.iter().try_for_each(|(_, load)| load(document, world))
+        self.entries.iter().try_for_each(|entry| (entry.load)(document, world))
     }
 }
 

@@ -17,15 +17,35 @@ use std::fs;
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
+use schemars::JsonSchema;
+
 use super::document::{Kind, Node, Scalar};
 use super::{Document, nearest};
 use crate::error::UserError;
+use crate::expect::ExpectSection;
 
 /// The section of a scene that a variant replaces.
 pub(super) const REPLACED: &str = "expect";
 
 /// Fields of a variant.
 const FIELDS: [&str; 3] = ["of", "set", REPLACED];
+
+/// `Variant(of: "tank.ron", set: {"spacing": "0.008"}, expect: […])` in a file of its own is another scene with some values
+/// changed and expectations of its own (`scenes/ci`, `scenes/fine`).
+#[derive(JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[expect(dead_code, reason = "a variant is read value by value, since some of its texts are values of the scene")]
+pub(super) struct VariantFile {
+    /// File of the scene, seen from the file of the variant.
+    of: String,
+    /// Path and value of what is changed, as `--set path=value` has them: `{"spacing": "0.008"}`.
+    #[schemars(extend("derived" = "nothing"))]
+    #[serde(default)]
+    set: BTreeMap<String, serde_json::Value>,
+    /// In the place of the scene's own `expect`.
+    #[schemars(extend("derived" = "that of the scene"))]
+    expect: Option<ExpectSection>,
+}
 
 /// Reads the scene or variant at `path` and applies overrides `path=value` to it.
 ///

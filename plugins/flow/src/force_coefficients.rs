@@ -2,6 +2,7 @@
 
 use bevy_ecs::prelude::*;
 use glam::DVec3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use storegga::boundary::{Body, Structure};
 use storegga::probes::{Probe, SeriesField, State};
@@ -9,17 +10,21 @@ use storegga::scene::geometry::{Point, coordinates};
 use storegga::scene::{Invalid, Resolution, unknown};
 
 /// Force of the fluid on a structure, without dimension: `C = F/(½ ρ U² A)`, with the frontal area A = D × length of the
-/// structure in 2D (1 m where it has none).
-#[derive(Component, Debug, Clone, PartialEq, Serialize, Deserialize)]
+/// structure in 2D (1 m where it has none): `drag`, `lift`, and their parts `pressure_drag`, `viscous_drag`, `pressure_lift`,
+/// `viscous_lift`.
+#[derive(Component, Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ForceCoefficients {
     /// Name of the structure.
     pub structure: String,
     /// Velocity U (m/s) of the flow; drag is along it, lift across it (to its left in 2D; in 3D all that is not drag).
+    #[schemars(extend("unit" = "m/s"))]
     pub velocity: Point,
     /// Density ρ (kg/m³) of the fluid.
+    #[schemars(extend("unit" = "kg/m³", "exclusiveMinimum" = 0.0))]
     pub density: f64,
     /// Frontal width D (m) in 2D, frontal area A (m²) in 3D.
+    #[schemars(extend("unit" = "m; m² in 3D", "exclusiveMinimum" = 0.0))]
     pub frontal: f64,
 }
 

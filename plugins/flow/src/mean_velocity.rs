@@ -2,17 +2,19 @@
 
 use bevy_ecs::prelude::*;
 use glam::DVec3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use storegga::probes::{Probe, SeriesField, State};
 use storegga::scene::geometry::Shape;
 use storegga::scene::{Invalid, Resolution};
 
-/// Mean velocity `Σ V v / Σ V` of the fluid in a shape. In a piece of channel from wall to wall, the component along it is
+/// Mean velocity `Σ V v / Σ V` of the fluid in a shape: `x`, `y`, `z` (m/s). In a piece of channel from wall to wall, the component along it is
 /// the discharge over the cross-section.
-#[derive(Component, Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Component, Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MeanVelocity {
     /// Where (m).
+    #[schemars(extend("unit" = "m"))]
     pub shape: Shape,
 }
 

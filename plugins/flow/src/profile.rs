@@ -1,26 +1,30 @@
 //! Velocities that a relaxation zone drives the fluid to.
 
 use glam::DVec3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use storegga::scene::Invalid;
 use storegga::scene::geometry::{Axis, Point, coordinates};
 
 /// A velocity that depends on the place.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum Profile {
     /// The same everywhere; `(0, 0)` makes the zone a sponge that absorbs waves.
     Uniform {
         /// Velocity (m/s).
+        #[schemars(extend("unit" = "m/s"))]
         velocity: Point,
     },
     /// Developed flow of a Newtonian fluid between two plates: `v(s) = 6 U s (1 − s)`, s = 0…1 from wall to wall, 0 beyond.
     Parabolic {
         /// Mean velocity U (m/s); the greatest is 1.5 U.
+        #[schemars(extend("unit" = "m/s"))]
         mean: Point,
         /// Axis across the channel.
         across: Axis,
         /// Coordinates (m) of the two walls on that axis.
+        #[schemars(extend("unit" = "m"))]
         walls: (f64, f64),
     },
     /// Rows joined by straight lines; before the first and after the last the velocity is theirs.
@@ -33,12 +37,14 @@ pub enum Profile {
 }
 
 /// One row of a tabulated profile.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ProfileRow {
     /// Coordinate (m).
+    #[schemars(extend("unit" = "m"))]
     pub at: f64,
     /// Velocity (m/s).
+    #[schemars(extend("unit" = "m/s"))]
     pub velocity: Point,
 }
 

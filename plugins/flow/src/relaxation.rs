@@ -18,6 +18,7 @@ use bevy_ecs::prelude::*;
 use glam::DVec3;
 use indexmap::IndexMap;
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use storegga::clock::Clock;
 use storegga::neighbours::PeriodicSides;
@@ -29,28 +30,40 @@ use storegga::scene::{Invalid, Resolution, SceneSection, SectionError};
 use crate::Profile;
 
 /// Section `relaxation_zones` of a scene: the zones by name. Where several overlap they act one after the other.
-#[derive(Resource, Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+///
+/// In a zone `v ← v* + (v − v*) e^(−kfΔt)` at every step: exact for any rate k, and nothing is put in or taken out. The weight
+/// `f(s) = (e^(s^3.5) − 1)/(e − 1)`, s = depth over `ramp` up to 1, grows smoothly into the zone (Jacobsen et al. 2012). A velocity of
+/// 0 makes a sponge that absorbs waves. In a channel with periodic sides a zone at the seam is outlet and inlet: it restores the
+/// inflow and does the work that walls and bodies take out. The steady forces in a zone, such as the pressure jump that drives
+/// a channel, leave a difference from v* of the force per mass over k (or none, when kΔt is above 1): choose k so that it is
+/// small. v_max of Eq. 8 must not be less than the greatest speed of a target.
+#[derive(Resource, Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(transparent)]
 pub struct RelaxationZones(IndexMap<String, RelaxationZone>);
 
 /// A region in which the velocity is driven to a profile.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RelaxationZone {
-    /// Where (m).
+    /// Where (m); it reaches through periodic sides.
+    #[schemars(extend("unit" = "m"))]
     pub shape: Shape,
     /// Velocity to which the fluid is driven.
     pub target: Profile,
     /// Rate k (1/s) in the depth of the zone.
+    #[schemars(extend("unit" = "1/s", "exclusiveMinimum" = 0.0))]
     pub rate: f64,
     /// Depth (m) from the border of the shape at which the rate is reached; 0 for everywhere in it.
     #[serde(default)]
+    #[schemars(range(min = 0.0), extend("unit" = "m"))]
     pub ramp: f64,
     /// Start (s).
     #[serde(default)]
+    #[schemars(range(min = 0.0), extend("unit" = "s"))]
     pub from: f64,
     /// End (s); `None` for never.
     #[serde(default)]
+    #[schemars(extend("unit" = "s", "derived" = "for ever"))]
     pub until: Option<f64>,
     /// Displacements (m) of the shape and its images through periodic sides.
     #[serde(skip)]

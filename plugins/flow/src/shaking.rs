@@ -14,6 +14,7 @@ use std::path::Path;
 
 use bevy_ecs::prelude::*;
 use glam::DVec3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use storegga::clock::Clock;
 use storegga::expect::CsvTable;
@@ -22,7 +23,12 @@ use storegga::scene::geometry::{Point, coordinates};
 use storegga::scene::{Invalid, Resolution, SceneInfo, SceneSection, SectionError};
 
 /// How the ground shakes: section `shaking` of a scene.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+///
+/// The scene is seen from the ground, whose acceleration is a(t): the fluid feels −a(t) per mass, so that gravity is g − a(t) in the
+/// momentum equation, in the pressure of walls and structures and in the diffusion of density, and motions of bodies are
+/// relative to the ground. Between its rows a(t) is linear; before the first and after the last it is 0. p_max and v_max of
+/// Eq. 8 do not know of the shaking: give them in `equation_of_state` where it may pass them.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum Shaking {
     /// Not at all.
@@ -34,10 +40,11 @@ pub enum Shaking {
         file: String,
         /// Name of the column of times (s).
         time: String,
-        /// Columns of acceleration (m/s²).
+        /// Columns of acceleration (m/s²) with their directions; several are added.
         columns: Vec<AccelerogramColumn>,
-        /// Factor by which accelerations are multiplied.
+        /// Factor by which accelerations are multiplied: 9.81 for a file in units of g.
         #[serde(default = "one")]
+        #[schemars(extend("unit" = "1"))]
         scale: f64,
     },
 }
@@ -47,12 +54,13 @@ fn one() -> f64 {
 }
 
 /// A column of an accelerogram.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AccelerogramColumn {
     /// Its name.
     pub name: String,
     /// Direction of the ground's acceleration; only its direction counts.
+    #[schemars(extend("unit" = "1"))]
     pub direction: Point,
 }
 

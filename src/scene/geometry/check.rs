@@ -4,7 +4,8 @@ use super::{Point, Shape, polygon};
 use crate::scene::invalid::Invalid;
 
 impl Shape {
-    /// Checks that this shape makes sense in a scene of `dimension` 2 or 3.
+    /// Checks that this shape makes sense in a scene of `dimension` 2 or 3. One read from a file must pass before the other
+    /// methods mean anything.
     ///
     /// # Errors
     ///

@@ -1,8 +1,10 @@
 //! Coordinates as a scene writes them: `(x, y)` or `(x, y, z)`.
 
+use std::borrow::Cow;
 use std::fmt;
 
 use glam::{DVec2, DVec3};
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{self, Deserialize, Deserializer, SeqAccess, Visitor};
 use serde::ser::{Serialize, SerializeTuple, Serializer};
 
@@ -60,6 +62,21 @@ impl Serialize for Point {
 impl<'de> Deserialize<'de> for Point {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         deserializer.deserialize_tuple(3, Coordinates)
+    }
+}
+
+/// A list of 2 or 3 numbers; the unit stands beside each field of this type.
+impl JsonSchema for Point {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> Cow<'static, str> {
+        "vector".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({"title": "vector", "type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 3})
     }
 }
 

@@ -1,21 +1,25 @@
 //! Axes, and rigid rotation about them.
 
 use glam::DVec3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{Point, coordinates};
 use crate::scene::Invalid;
 
 /// A rigid rotation, `v = ω e × (x − c)`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RigidRotation {
     /// A point c of the axis (m).
+    #[schemars(extend("unit" = "m"))]
     pub center: Point,
     /// Direction of the axis e; in 2D always (0, 0, 1), out of the plane.
     #[serde(default)]
+    #[schemars(extend("unit" = "1", "derived" = "out of the plane in 2D; required in 3D"))]
     pub axis: Option<Point>,
     /// Rate ω (rad/s), counter-clockwise about the axis.
+    #[schemars(extend("unit" = "rad/s"))]
     pub rate: f64,
 }
 

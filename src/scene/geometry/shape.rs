@@ -1,55 +1,66 @@
 //! The shapes that a scene can name.
 
 use glam::DVec3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Point;
 
 /// A region of the scene: an area of the plane z = 0 in 2D, a volume in 3D. Lengths and coordinates are in metres.
-///
-/// A shape read from a file must pass [`Shape::check`] before the other methods mean anything.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum Shape {
     /// A rectangle (2D) or a cuboid (3D) with sides along the axes: `Box(min: (0, 0), max: (0.4, 0.2))`.
     Box {
         /// Corner with the smallest coordinates, in metres.
+        #[schemars(extend("unit" = "m"))]
         min: Point,
         /// Corner with the largest coordinates, in metres.
+        #[schemars(extend("unit" = "m"))]
         max: Point,
     },
     /// The region of the plane within a closed line through the corners, in either sense of rotation; 2D only.
+    #[schemars(extend("unit" = "m"))]
     Polygon(Vec<Point>),
     /// A disc; 2D only.
     Circle {
         /// Centre, in metres.
+        #[schemars(extend("unit" = "m"))]
         center: Point,
         /// Radius in metres.
+        #[schemars(extend("unit" = "m", "exclusiveMinimum" = 0.0))]
         radius: f64,
     },
     /// A circular cylinder along one of the axes; 3D only.
     Cylinder {
         /// Middle of the cylinder's axis, in metres.
+        #[schemars(extend("unit" = "m"))]
         center: Point,
         /// Direction of the cylinder's axis.
         axis: Axis,
         /// Radius in metres.
+        #[schemars(extend("unit" = "m", "exclusiveMinimum" = 0.0))]
         radius: f64,
         /// Length along the axis in metres.
+        #[schemars(extend("unit" = "m", "exclusiveMinimum" = 0.0))]
         length: f64,
     },
     /// A ball; 3D only.
     Sphere {
         /// Centre, in metres.
+        #[schemars(extend("unit" = "m"))]
         center: Point,
         /// Radius in metres.
+        #[schemars(extend("unit" = "m", "exclusiveMinimum" = 0.0))]
         radius: f64,
     },
     /// A polygon of the xy plane drawn out along z; 3D only.
     Prism {
         /// Corners `(x, y)` of the cross-section, in metres, in either sense of rotation.
+        #[schemars(extend("unit" = "m"))]
         polygon: Vec<Point>,
         /// Lower and upper end along z, in metres.
+        #[schemars(extend("unit" = "m"))]
         z: (f64, f64),
     },
     /// Everything that lies in at least one of the shapes.
@@ -64,7 +75,7 @@ pub enum Shape {
 }
 
 /// One of the three coordinate axes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Axis {
     /// Along x.
     X,
