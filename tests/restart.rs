@@ -18,8 +18,8 @@ use storegga::clock::Clock;
 use storegga::scene::open_document;
 use storegga_standard::StandardPlugins;
 
-/// Two liquids, one of them with a yield stress, that a force drives over a floor that moves, past a body that goes up and down,
-/// and round through the sides; lists are rebuilt and particles re-sorted often, and every probe that fits measures.
+/// Whatever is shipped, at once: two liquids, one of them with a yield stress, that a force drives over a floor that moves, past a body that goes up and down,
+/// round through the sides and through a relaxation zone, while the ground shakes; lists are rebuilt and particles re-sorted often, and every probe that fits measures.
 fn stream(dimension: usize) -> String {
     let (spacing, z) = if dimension == 2 { (0.05, "") } else { (0.1, ", z: (0.0, 0.8)") };
     let at = |x: f64, y: f64, z: f64| {
@@ -51,7 +51,11 @@ fn stream(dimension: usize) -> String {
     probes: {{
         "front": Front(phase: "mud", direction: {upward}), "mud": CenterOfMass(phase: "mud"),
         "gauge": SurfaceHeight(at: {center}), "pressure": PressurePoint(at: {center}),
+        "drag": ForceCoefficients(structure: "body", velocity: {velocity}, density: 1000.0, frontal: 0.3),
+        "flow": MeanVelocity(shape: {water}),
     }},
+    relaxation_zones: {{ "inlet": (shape: {mud}, target: Uniform(velocity: {velocity}), rate: 5.0, ramp: 0.1) }},
+    shaking: Accelerogram(file: "quake.csv", time: "t", columns: [(name: "a", direction: {velocity})]),
     log: (particles: 0.02, series: 0.005),
     expect: [
         (name: "over the whole run", of: "body.force_y", take: Mean(from: 0.0, to: 0.1), is: Between(-1e9, 1e9)),
@@ -81,6 +85,7 @@ impl Folder {
         fs::create_dir_all(&folder).unwrap();
         fs::write(folder.join("stream.ron"), scene).unwrap();
         fs::write(folder.join("measured.csv"), "t,v\n0.01,0.0\n0.1,0.0\n").unwrap();
+        fs::write(folder.join("quake.csv"), "t,a\n0.0,0.0\n0.03,2.0\n0.2,-2.0\n").unwrap();
         Self(folder)
     }
 
@@ -389,6 +394,12 @@ fn what_cannot_go_on_as_before_is_refused_with_the_reason() {
     fs::write(&measured, "t,v\n0.01,0.5\n0.1,0.0\n").unwrap();
     refused(&["measured.csv of the scene has changed"]);
     fs::write(&measured, "t,v\n0.01,0.0\n0.1,0.0\n").unwrap();
+
+    let quake = folder.path("quake.csv");
+    let shaking = fs::read_to_string(&quake).unwrap();
+    fs::write(&quake, shaking.replace("2.0", "3.0")).unwrap();
+    refused(&["quake.csv of the scene has changed"]);
+    fs::write(&quake, shaking).unwrap();
 
     fs::remove_file(folder.path("runs/stream.mcap")).unwrap();
     refused(&["cannot resume: cannot read the log", "stream.mcap"]);

@@ -54,6 +54,8 @@ pub struct Origin {
 pub struct About {
     /// How the run was started.
     pub origin: Origin,
+    /// CRC-32 of the executable, if it could be read.
+    pub program: Option<u32>,
     /// The text of the scene with all overrides in it.
     pub text: String,
     /// Files that the scene reads, with the length and the CRC-32 of each.
@@ -89,6 +91,12 @@ impl Checkpoint {
         })
     }
 
+    /// Whether it was written by another build of the program: then the bits may differ.
+    #[must_use]
+    pub fn is_of_another_build(&self) -> bool {
+        self.about.program.zip(program_checksum()).is_some_and(|(then, now)| then != now)
+    }
+
     fn parse(bytes: &[u8]) -> Result<Self, Refusal> {
         let Some((head, body)) = bytes.split_first_chunk::<HEAD>().filter(|(head, _)| head.starts_with(&MAGIC)) else {
             let is_cut = MAGIC.starts_with(&bytes[..bytes.len().min(MAGIC.len())]) && !bytes.is_empty();
@@ -117,6 +125,12 @@ impl Checkpoint {
         let (about, state) = take(rest).map_err(|_| "it is damaged: its head cannot be read")?;
         Ok(Self { about, state: state.to_vec() })
     }
+}
+
+/// CRC-32 of the executable.
+pub(super) fn program_checksum() -> Option<u32> {
+    let bytes = std::env::current_exe().and_then(fs::read).ok()?;
+    Some(crc32fast::hash(&bytes))
 }
 
 /// Why a file is not resumed from.
@@ -220,6 +234,7 @@ mod tests {
                 every_wall: None,
                 log: "runs/tank.mcap".into(),
             },
+            program: None,
             text: "Scene()".to_owned(),
             files: Vec::new(),
             mark: LogMark::default(),

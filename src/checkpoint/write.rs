@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use bevy_ecs::prelude::*;
 
-use super::file::{About, Origin, refuse_to_overwrite, to_bytes, write_atomically};
+use super::file::{About, Origin, program_checksum, refuse_to_overwrite, to_bytes, write_atomically};
 use super::state::{check_state, save_state};
 use crate::clock::Clock;
 use crate::error::UserError;
@@ -20,6 +20,8 @@ use crate::scene::{SceneDocument, SceneFiles};
 pub struct Checkpoints {
     path: PathBuf,
     origin: Origin,
+    /// CRC-32 of the executable.
+    program: Option<u32>,
     /// Simulated time (s) of the next one.
     next: f64,
     written: Instant,
@@ -31,7 +33,7 @@ impl Checkpoints {
     /// The checkpoints of a run, which go to `path`; `warn` hears of one that could not be written.
     #[must_use]
     pub fn new(path: &Path, origin: Origin, warn: fn(&str)) -> Self {
-        Self { path: path.to_owned(), origin, next: 0.0, written: Instant::now(), warn }
+        Self { path: path.to_owned(), origin, program: program_checksum(), next: 0.0, written: Instant::now(), warn }
     }
 
     /// Whether one is due at the simulated time `time` (s).
@@ -92,11 +94,11 @@ fn write_checkpoint(world: &mut World) -> Result<(), String> {
     let mut checkpoints = world.resource_mut::<Checkpoints>();
     checkpoints.set_next(time);
     let path = checkpoints.path.clone();
-    let origin = checkpoints.origin.clone();
+    let (origin, program) = (checkpoints.origin.clone(), checkpoints.program);
     let fail = |why: String| format!("cannot write the checkpoint {}: {why}", path.display());
     // What the checkpoint counts on is on the disk before it is.
     let mark = mark_log(world).map_err(|error| error.to_string())?;
-    let about = About { origin, text, files: files.map_err(fail)?, mark, time, step };
+    let about = About { origin, program, text, files: files.map_err(fail)?, mark, time, step };
     let state = save_state(world).map_err(fail)?;
     let bytes = to_bytes(&about, &state).map_err(fail)?;
     write_atomically(&path, &bytes).map_err(|error| fail(error.to_string()))

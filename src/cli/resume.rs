@@ -19,6 +19,11 @@ use crate::scene::open_document;
 pub(super) fn resume<P: PluginGroup>(args: &ResumeArgs, plugins: fn() -> P) -> Result<ExitCode, UserError> {
     let checkpoint = Checkpoint::read(&args.checkpoint)?;
     let about = &checkpoint.about;
+    if checkpoint.is_of_another_build() {
+        let what =
+            "the checkpoint was written by another build of this version; if it computes otherwise, so will the run";
+        complain(&format!("Warning: {what}\n"));
+    }
     let scene = checkpoint.find(&about.origin.scene);
     let document = open_document(&scene, &about.origin.overrides)?;
     checkpoint.check_scene(&document)?;

@@ -10,8 +10,6 @@
 //! `a(t) = scale Σ_k a_k(t) e_k`: each column of the file goes along a direction e_k (a unit vector), linear in time between
 //! its rows; before the first row and after the last the ground is not accelerated.
 
-use std::path::Path;
-
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 use schemars::JsonSchema;
@@ -20,7 +18,7 @@ use storegga::clock::Clock;
 use storegga::expect::CsvTable;
 use storegga::physics::Gravity;
 use storegga::scene::geometry::{Point, coordinates};
-use storegga::scene::{Invalid, Resolution, SceneInfo, SceneSection, SectionError};
+use storegga::scene::{Invalid, Resolution, SceneSection, SectionError, scene_file};
 
 /// How the ground shakes: section `shaking` of a scene.
 ///
@@ -96,8 +94,7 @@ impl SceneSection for Shaking {
 
     fn spawn(self, world: &mut World) -> Result<(), SectionError> {
         let Self::Accelerogram { file, time, columns, scale } = self else { return Ok(()) };
-        let scene = Path::new(&world.resource::<SceneInfo>().file);
-        let path = scene.parent().unwrap_or(Path::new("")).join(file);
+        let path = scene_file(world, &file);
         let read = |(k, column): (usize, AccelerogramColumn)| {
             let table = CsvTable::read(&path, &time, &column.name).map_err(|wrong| match wrong.path.as_str() {
                 "value" => Invalid { path: format!("columns.{k}.name"), ..wrong },
