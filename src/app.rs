@@ -248,6 +248,20 @@ pub enum End {
     Failed(String),
 }
 
+impl End {
+    /// One word for programs: `done`, `diverged`, `interrupted`, `log_failed`, `failed`.
+    #[must_use]
+    pub const fn word(&self) -> &'static str {
+        match self {
+            Self::Done => "done",
+            Self::Diverged(_) => "diverged",
+            Self::Interrupted => "interrupted",
+            Self::LogFailed(_) => "log_failed",
+            Self::Failed(_) => "failed",
+        }
+    }
+}
+
 /// An app with `plugins`, at the start of the scene `document`: forces, walls and time step are those of t = 0.
 ///
 /// # Errors

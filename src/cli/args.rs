@@ -15,7 +15,8 @@ Examples:
   storegga check scenes/two_phase_tank.ron --set spacing=0.002
   storegga test
 
-Exit codes: 0 done, 1 an expectation failed, 2 wrong input, 3 the run diverged, 130 interrupted (Ctrl-C, SIGTERM)."
+Exit codes: 0 done, 1 an expectation failed or a log is not whole, 2 wrong input or output that cannot be written,
+3 the run diverged, 130 interrupted (Ctrl-C, SIGTERM)."
 )]
 pub(super) struct Arguments {
     #[command(subcommand)]
@@ -37,6 +38,8 @@ pub(super) enum Command {
     Scenes(ScenesArgs),
     /// Make a whole log of one that was torn or damaged.
     Recover(RecoverArgs),
+    /// Say what is in a log, and whether it is whole and has no gaps.
+    Doctor(DoctorArgs),
     /// Print the page of every field of a scene in Markdown: meaning, unit, default, range.
     #[command(after_help = "\
 Example:
@@ -187,6 +190,23 @@ pub(super) struct RecoverArgs {
     /// Log to write; by default <log>.recovered.mcap beside it.
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
+    /// Print one JSON object to standard output, and nothing else there.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `storegga doctor`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  storegga doctor runs/submarine_slide.mcap
+  storegga doctor runs/submarine_slide.mcap --json | jq .metadata.defaults
+
+Missing are messages by their numbers, gaps are outputs that did not come at the scene's interval.
+Exit code 0 if the log is whole and has neither, 1 if not, 2 if it is no log.")]
+pub(super) struct DoctorArgs {
+    /// Log, whole or torn.
+    pub log: PathBuf,
     /// Print one JSON object to standard output, and nothing else there.
     #[arg(long)]
     pub json: bool,

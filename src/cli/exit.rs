@@ -2,14 +2,16 @@
 
 use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::{env, panic};
 
 use crate::app::StopFlag;
 use crate::error::UserError;
 
-/// An expectation failed.
+/// An expectation failed, or a log is not whole.
 pub(super) const FAILED: u8 = 1;
-/// The user's input is wrong.
+/// The user's input is wrong, or output cannot be written.
 pub(super) const WRONG_INPUT: u8 = 2;
 /// The run diverged.
 pub(super) const DIVERGED: u8 = 3;
@@ -32,11 +34,36 @@ pub(super) fn colour() -> bool {
     io::stderr().is_terminal() && env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
 }
 
-/// Prints to standard output. Nobody may be listening any more, and that is no error.
+/// Whether something could not be printed to standard output.
+static UNHEARD: AtomicBool = AtomicBool::new(false);
+
+/// Prints to standard output; that nobody listens any more, or that the disk is full, is told once.
 pub(super) fn say(text: &str) {
     let mut out = io::stdout().lock();
-    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+    if let Err(error) = out.write_all(text.as_bytes()).and_then(|()| out.flush())
+        && !UNHEARD.swap(true, Ordering::Relaxed)
+    {
+        report(&UserError::plain(format!("cannot write to standard output: {error}")));
+    }
 }
+
+/// The exit code `code`, unless the program did well but could not say so.
+pub(super) fn unless_unheard(code: ExitCode) -> ExitCode {
+    let unheard = UNHEARD.load(Ordering::Relaxed) && code == ExitCode::SUCCESS;
+    if unheard { ExitCode::from(WRONG_INPUT) } else { code }
+}
+
+/// Lets a file that grows beyond what the user may write fail with an error, as a full disk does; by itself the signal SIGXFSZ
+/// ends the program on the spot.
+#[cfg(unix)]
+pub(super) fn hear_of_full_disks() {
+    // Without the handler the program is not worse off than before.
+    let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default());
+}
+
+/// There is no such signal.
+#[cfg(not(unix))]
+pub(super) fn hear_of_full_disks() {}
 
 /// Prints to standard error.
 pub(super) fn complain(text: &str) {

@@ -1,10 +1,11 @@
-//! The command line: what `storegga run`, `resume`, `check`, `test`, `scenes`, `recover`, `reference` and `schema` do.
+//! The command line: what `storegga run`, `resume`, `check`, `test`, `scenes`, `recover`, `doctor`, `reference` and `schema` do.
 //!
 //! [`main`] is the whole program for any set of plugins, so that a program of one's own with further plugins is
 //! `fn main() -> ExitCode { storegga::cli::main(|| MyPlugins) }`.
 
 mod args;
 mod check;
+mod doctor;
 mod estimate;
 mod exit;
 mod json;
@@ -28,10 +29,11 @@ use clap::Parser;
 
 use args::{Arguments, Command};
 
-/// The program: reads the command line, does what it says and returns the exit code: 0 done, 1 an expectation failed,
-/// 2 the user's input, 3 the run diverged, 101 a bug, 130 interrupted.
+/// The program: reads the command line, does what it says and returns the exit code: 0 done, 1 an expectation failed or a log
+/// is not whole, 2 the user's input or what cannot be written, 3 the run diverged, 101 a bug, 130 interrupted.
 pub fn main<P: PluginGroup>(plugins: fn() -> P) -> ExitCode {
     exit::explain_panics();
+    exit::hear_of_full_disks();
     let done = match Arguments::parse().command {
         Command::Run(args) => run::run(&args, plugins),
         Command::Resume(args) => resume::resume(&args, plugins),
@@ -39,8 +41,9 @@ pub fn main<P: PluginGroup>(plugins: fn() -> P) -> ExitCode {
         Command::Test(args) => test::test(&args, plugins),
         Command::Scenes(args) => scenes::list(&args, plugins),
         Command::Recover(args) => recover::recover(&args),
+        Command::Doctor(args) => doctor::doctor(&args),
         Command::Reference => schema::reference(plugins),
         Command::Schema => schema::schema(plugins),
     };
-    done.unwrap_or_else(|error| exit::report(&error))
+    exit::unless_unheard(done.unwrap_or_else(|error| exit::report(&error)))
 }

@@ -9,6 +9,7 @@ use bevy_app::PluginGroup;
 
 use super::args::RunArgs;
 use super::exit::{self, complain, say};
+use super::number::short;
 use super::progress::Progress;
 use super::simulate::{Outcome, Settings, simulate};
 use super::summary::{checks_table, divergence, summary};
@@ -72,20 +73,31 @@ impl Show<'_> {
     /// The log could not be written.
     pub fn end(&self, log: &Path, outcome: &Outcome) -> Result<ExitCode, UserError> {
         tell(self, log, outcome);
-        code(outcome)
+        code(log, outcome)
     }
 }
 
 /// The exit code of a run.
-fn code(outcome: &Outcome) -> Result<ExitCode, UserError> {
+fn code(log: &Path, outcome: &Outcome) -> Result<ExitCode, UserError> {
     Ok(ExitCode::from(match &outcome.end {
         End::Diverged(_) => exit::DIVERGED,
         End::Interrupted => exit::INTERRUPTED,
         End::Failed(_) => exit::BUG,
-        End::LogFailed(why) => return Err(UserError::plain(why.clone()).help("choose another place with --out")),
+        End::LogFailed(why) => return Err(log_failed(why, log, outcome)),
         End::Done if !outcome.passes() => exit::FAILED,
         End::Done => 0,
     }))
+}
+
+/// What is left of a log that could not be written any more.
+fn log_failed(why: &str, log: &Path, outcome: &Outcome) -> UserError {
+    let error = UserError::plain(why).help(format!("the run ended at t = {} s.", short(outcome.clock.time)));
+    let error = if log.is_file() {
+        error.help(format!("`storegga recover {}` keeps what was written up to then.", log.display()))
+    } else {
+        error
+    };
+    error.help("Choose another place with --out")
 }
 
 /// Prints what came out: the result to standard output, what is wrong to standard error.

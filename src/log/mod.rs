@@ -14,9 +14,11 @@
 //! Everything before the last [`LogWriter::flush`] stays readable if the process is killed; such a torn log has
 //! no summary and must be read from its start: [`read_log`] does, and [`recover_log`] makes a whole log of it.
 
+mod doctor;
 mod error;
 mod facts;
 mod frames;
+mod place;
 mod plugin;
 mod points;
 mod read;
@@ -29,6 +31,7 @@ mod writer;
 #[cfg(test)]
 mod tests;
 
+pub use doctor::{ChannelReport, Examination, examine_log};
 pub use error::LogError;
 pub use facts::{Fact, ParticleCounts, derived_numbers};
 pub use plugin::{Log, LogFailure, LogPlugin, LogSection, close_log, log_message, open_log};

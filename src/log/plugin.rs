@@ -9,6 +9,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::frames::{write_bodies, write_particles};
+use super::recover::END;
 use super::{
     BODY_FIELDS, FLUID_FIELDS, Field, Level, LogError, LogWriter, PointsId, SeriesId, Value, derived_numbers,
     program_facts,
@@ -278,6 +279,15 @@ pub fn log_message(world: &mut World, level: Level, text: &str) {
     world.get_resource_or_init::<LogFailure>().note(result);
 }
 
+/// How a run ended, for programs: the word of `storegga run --json`, the simulated time and the number of steps.
+fn end_facts(end: &End, clock: &Clock) -> [(String, String); 3] {
+    [
+        ("how".to_owned(), end.word().to_owned()),
+        ("time [s]".to_owned(), clock.time.to_string()),
+        ("step".to_owned(), clock.step.to_string()),
+    ]
+}
+
 /// Writes the last state, if the last frame was earlier, and how the run ended; then finishes the log, if there is one.
 ///
 /// # Errors
@@ -303,8 +313,9 @@ pub fn close_log(world: &mut World, end: &End) -> Result<(), String> {
         End::LogFailed(why) => (Level::Error, format!("the log failed at t = {time} s: {why}")),
     };
     log_message(world, level, &text);
+    let facts = end_facts(end, world.resource::<Clock>());
     if let Some(mut log) = world.remove_resource::<Log>() {
-        let result = log.writer.finish();
+        let result = log.writer.metadata(END, &facts).and_then(|()| log.writer.finish());
         world.get_resource_or_init::<LogFailure>().note(result);
     }
     match world.resource_mut::<LogFailure>().0.take() {

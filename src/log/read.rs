@@ -1,7 +1,7 @@
 //! Reading a log that may be torn or damaged, from its start to its end, in memory for one chunk at a time.
 //!
 //! Records follow each other, each behind its opcode and its length. Where one is damaged, reading goes on with the next
-//! record, if its head is where the length says; otherwise with the next compressed chunk that can be found and whose checksum
+//! record, if there are some where the length says; otherwise with the next compressed chunk that can be found and whose checksum
 //! is right. A chunk whose checksum is wrong is left out whole: no message in it can be trusted.
 
 use std::borrow::Cow;
@@ -314,7 +314,7 @@ impl<V: FnMut(Piece<'_>) -> Result<(), LogError>> Reader<V> {
     /// Tells of the damage at `start` and goes on behind it: at `next` if a record is there, else at the next chunk.
     fn go_on(&mut self, start: u64, next: Option<u64>, what: &str) -> Result<(), LogError> {
         let next = match next {
-            Some(next) if self.is_record(next)? => next,
+            Some(next) if self.are_records(next)? => next,
             _ => self.find_chunk(start + 1)?,
         };
         self.damage(start, next - start, what)?;
@@ -323,14 +323,25 @@ impl<V: FnMut(Piece<'_>) -> Result<(), LogError>> Reader<V> {
         Ok(())
     }
 
-    /// Whether a record can begin at `offset`, or the file ends there.
-    fn is_record(&mut self, offset: u64) -> Result<bool, LogError> {
-        if offset >= self.size {
-            return Ok(offset == self.size);
+    /// Whether records can follow each other from `offset` on. One head alone can be chance: so are some bytes of every chunk.
+    fn are_records(&mut self, mut offset: u64) -> Result<bool, LogError> {
+        const HEADS: usize = 8;
+        for _ in 0..HEADS {
+            let Some((opcode, length)) = self.plausible_head(offset)? else { return Ok(offset == self.size) };
+            offset += HEAD + length;
+            if opcode == op::FOOTER {
+                return Ok(offset + MAGIC.len() as u64 == self.size);
+            }
         }
+        Ok(true)
+    }
+
+    /// Opcode and length of the record at `offset`, if there can be one.
+    fn plausible_head(&mut self, offset: u64) -> Result<Option<(u8, u64)>, LogError> {
+        let Some(rest) = self.size.checked_sub(offset).and_then(|rest| rest.checked_sub(HEAD)) else { return Ok(None) };
         self.fill(offset, HEAD)?;
-        let rest = (self.size - offset).saturating_sub(HEAD);
-        Ok(split_head(&self.body).is_some_and(|(opcode, length, _)| is_opcode(opcode) && length <= rest))
+        let head = split_head(&self.body).map(|(opcode, length, _)| (opcode, length));
+        Ok(head.filter(|(opcode, length)| is_opcode(*opcode) && *length <= rest))
     }
 
     /// Offset of the first chunk from `from` on that is whole; the end of the file if there is none.
@@ -339,9 +350,7 @@ impl<V: FnMut(Piece<'_>) -> Result<(), LogError>> Reader<V> {
         while let Some(mark) = self.find_mark(from)? {
             let start = mark - MARK_OFFSET;
             self.at = start;
-            let head =
-                self.is_record(start)?.then(|| split_head(&self.body).map(|(opcode, length, _)| (opcode, length)));
-            if let Some(Some((op::CHUNK, length))) = head {
+            if let Some((op::CHUNK, length)) = self.plausible_head(start)? {
                 match self.load_chunk(length) {
                     Ok(_) => return Ok(start),
                     Err(Fault::Stop(error)) => return Err(error),

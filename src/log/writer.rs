@@ -1,12 +1,6 @@
 //! The writer of a log.
 
-use std::{
-    collections::BTreeMap,
-    fmt,
-    fs::File,
-    io::BufWriter,
-    path::{Path, PathBuf},
-};
+use std::{collections::BTreeMap, fmt, fs::File, io::BufWriter, path::Path};
 
 pub use foxglove::messages::log::Level;
 use foxglove::{
@@ -21,6 +15,7 @@ use mcap::{
 
 use super::{
     error::LogError,
+    place::Place,
     points::{Column, PointField, Points, PointsId},
     series::{self, Field, Series, SeriesId, Value},
 };
@@ -49,7 +44,7 @@ type McapFile = Writer<NoSeek<BufWriter<File>>>;
 /// Times are simulated times in seconds. They are stored in whole nanoseconds, rounded; negative ones and NaN
 /// as zero.
 pub struct LogWriter {
-    path: PathBuf,
+    place: Place,
     /// `None` once the log is finished. Dropping it finishes the file.
     mcap: Option<McapFile>,
     series: Vec<Series>,
@@ -70,21 +65,21 @@ pub struct LogWriter {
 impl fmt::Debug for LogWriter {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let finished = self.mcap.is_none();
-        f.debug_struct("LogWriter").field("path", &self.path).field("finished", &finished).finish_non_exhaustive()
+        f.debug_struct("LogWriter").field("path", &self.place.path).field("finished", &finished).finish_non_exhaustive()
     }
 }
 
 impl LogWriter {
     /// Creates the file at `path` and opens a log in it. An old file is overwritten, but only if it can be
-    /// opened for writing.
+    /// opened for writing and no other program is writing a log there.
     pub fn create(path: &Path) -> Result<Self, LogError> {
         let fail = |error: McapError| LogError::new(path, "create", error);
-        let file = File::create(path).map_err(|error| LogError::new(path, "create", error))?;
+        let (file, place) = Place::create(path)?;
         let handle = file.try_clone().ok();
         let mut mcap = options().create(NoSeek::new(BufWriter::new(file))).map_err(fail)?;
         let log_channel = add_protobuf_channel::<Log>(&mut mcap, LOG_TOPIC).map_err(fail)?;
         Ok(Self {
-            path: path.to_owned(),
+            place,
             mcap: Some(mcap),
             series: Vec::new(),
             points: Vec::new(),
@@ -100,7 +95,7 @@ impl LogWriter {
 
     /// The file that holds the log.
     pub fn path(&self) -> &Path {
-        &self.path
+        &self.place.path
     }
 
     /// Adds a topic of JSON objects, each with `time` \[s\] and the `fields`. `description` says in the schema
@@ -239,7 +234,8 @@ impl LogWriter {
     /// Closes the chunk and hands everything so far to the operating system. From then on it is readable even
     /// if this process is killed, though not yet if the machine loses its power.
     pub fn flush(&mut self) -> Result<(), LogError> {
-        self.mcap(Writer::flush)
+        self.mcap(Writer::flush)?;
+        self.place.check()
     }
 
     /// Brings everything so far to the disk: from then on it is readable even if the machine loses its power.
@@ -256,13 +252,14 @@ impl LogWriter {
 
     /// The file was given another name.
     pub(super) fn set_path(&mut self, path: &Path) {
-        self.path = path.to_owned();
+        self.place.path = path.to_owned();
     }
 
     /// Writes the summary that lets players seek, and closes the file. To finish again does nothing.
     pub fn finish(&mut self) -> Result<(), LogError> {
         let Some(mut mcap) = self.mcap.take() else { return Ok(()) };
-        mcap.finish().map(drop).map_err(|error| LogError::new(&self.path, "finish", error))
+        mcap.finish().map_err(|error| LogError::new(&self.place.path, "finish", error))?;
+        self.place.check()
     }
 
     fn write_scratch(&mut self, encoded: Result<(), impl ToString>, header: MessageHeader) -> Result<(), LogError> {
@@ -285,13 +282,13 @@ impl LogWriter {
     /// Does `what` to the file, which must not be finished: the library panics then.
     fn mcap<T>(&mut self, what: impl FnOnce(&mut McapFile) -> McapResult<T>) -> Result<T, LogError> {
         match &mut self.mcap {
-            Some(mcap) => what(mcap).map_err(|error| LogError::new(&self.path, "write", error)),
+            Some(mcap) => what(mcap).map_err(|error| LogError::new(&self.place.path, "write", error)),
             None => Err(self.error("it is finished")),
         }
     }
 
     fn error(&self, cause: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> LogError {
-        LogError::new(&self.path, "write", cause)
+        LogError::new(&self.place.path, "write", cause)
     }
 }
 

@@ -1,92 +1,13 @@
-//! Logs that were torn, damaged or could not be written: what is kept of them, and what the program says.
+//! What `storegga recover` keeps.
 //!
 //! What should be kept is worked out from the index of the undamaged log by the `mcap` library, which shares no code with ours.
 
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 
 use mcap::{MessageStream, Summary};
-use serde_json::Value;
 use storegga::log::{LogWriter, copy_log, recover_log};
 
-const TANK: &str = r#"Scene(
-    title: "A small tank",
-    dimension: 2,
-    spacing: 0.02,
-    gravity: (0.0, -9.81),
-    end_time: 0.05,
-    phases: {"water": (reference_density: 1000.0, rheology: Newtonian(viscosity: 0.001))},
-    walls: {"tank": (shape: Box(min: (0.0, 0.0), max: (0.2, 0.2)), slip: NoSlip)},
-    fluids: [(phase: "water", shape: Box(min: (0.0, 0.0), max: (0.2, 0.1)))],
-    log: (particles: 0.01, series: 0.005),
-)
-"#;
-
-/// A folder with the scene `tank.ron`, in which the program runs; removed at the end of the test.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let folder = std::env::temp_dir().join(format!("storegga-logs-{}-{name}", std::process::id()));
-        fs::create_dir_all(&folder).unwrap();
-        fs::write(folder.join("tank.ron"), TANK).unwrap();
-        Self(folder)
-    }
-
-    fn run(&self, arguments: &[&str]) -> Ran {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_storegga"));
-        Ran(command.args(arguments).current_dir(&self.0).output().unwrap())
-    }
-
-    /// The whole log of the tank.
-    fn log(&self) -> Vec<u8> {
-        let ran = self.run(&["run", "tank.ron", "--quiet"]);
-        assert_eq!(ran.code(), Some(0), "{}", ran.err());
-        fs::read(self.path("runs/tank.mcap")).unwrap()
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.join(name)
-    }
-
-    fn write(&self, name: &str, bytes: &[u8]) -> PathBuf {
-        fs::write(self.path(name), bytes).unwrap();
-        self.path(name)
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
-
-struct Ran(Output);
-
-impl Ran {
-    fn code(&self) -> Option<i32> {
-        self.0.status.code()
-    }
-
-    fn out(&self) -> String {
-        String::from_utf8_lossy(&self.0.stdout).into_owned()
-    }
-
-    fn err(&self) -> String {
-        String::from_utf8_lossy(&self.0.stderr).into_owned()
-    }
-
-    fn json(&self) -> Value {
-        serde_json::from_slice(&self.0.stdout).unwrap_or_else(|error| panic!("{error}: {}{}", self.out(), self.err()))
-    }
-
-    #[track_caller]
-    fn is_refused_with(&self, parts: &[&str]) {
-        assert_eq!(self.code(), Some(2), "{}{}", self.out(), self.err());
-        parts.iter().for_each(|part| assert!(self.err().contains(part), "{part} is not in\n{}", self.err()));
-    }
-}
+use crate::{Folder, chunks};
 
 /// A message: its topic, number, time and bytes.
 type Told = (String, u32, u64, Vec<u8>);
@@ -95,16 +16,6 @@ type Told = (String, u32, u64, Vec<u8>);
 fn messages(bytes: &[u8]) -> Vec<Told> {
     let stream = MessageStream::new(bytes).unwrap().map(Result::unwrap);
     stream.map(|m| (m.channel.topic.clone(), m.sequence, m.log_time, m.data.into_owned())).collect()
-}
-
-/// Where each chunk of a whole log lies.
-fn chunks(bytes: &[u8]) -> Vec<std::ops::Range<usize>> {
-    let summary = Summary::read(bytes).unwrap().unwrap();
-    let range = |start: u64, length: u64| start as usize..(start + length) as usize;
-    let mut found: Vec<_> =
-        summary.chunk_indexes.iter().map(|chunk| range(chunk.chunk_start_offset, chunk.chunk_length)).collect();
-    found.sort_by_key(|chunk| chunk.start);
-    found
 }
 
 /// Messages of each chunk of a whole log.
@@ -164,11 +75,12 @@ fn a_damaged_chunk_is_left_out_and_the_others_are_kept() {
         let start = chunks[k].start;
         let expected: Vec<Told> =
             by_chunk.iter().enumerate().filter(|(other, _)| *other != k).flat_map(|(_, told)| told.clone()).collect();
-        // A bit of its data; of its checksum; its length, so that the next record must be searched for; its opcode; both sizes.
+        // A bit of its data; its opcode, its checksum, its sizes; every byte of its length, so that the next record must be
+        // searched for.
         let middle = (start + chunks[k].end) / 2;
-        for (at, mask) in
-            [(middle, 1), (start + 33, 255), (start + 2, 64), (start + 8, 128), (start, 0x50), (start + 25, 3)]
-        {
+        let lengths = (1..9).flat_map(|byte| [(start + byte, 1), (start + byte, 64), (start + byte, 128)]);
+        let others = [(middle, 1), (start, 0x50), (start + 33, 255), (start + 25, 3), (start + 45, 2)];
+        for (at, mask) in others.into_iter().chain(lengths) {
             let mut damaged = log.clone();
             damaged[at] ^= mask;
             let whole = recovered(&folder, &damaged).unwrap();
@@ -259,5 +171,5 @@ fn what_is_no_log_is_not_recovered() {
     out("runs/../runs/tank.mcap").is_refused_with(&["it is the log that is to be recovered"]);
     out("tank.ron/a.mcap").is_refused_with(&["tank.ron", "--out"]);
     assert_eq!(fs::read(folder.path("runs/tank.mcap")).unwrap(), log);
-    assert!(Path::new(&folder.path("tank.ron")).is_file());
+    assert!(folder.path("tank.ron").is_file());
 }

@@ -1,0 +1,60 @@
+//! The file of a log while it is written: nobody else writes it, and it stays where it is.
+
+use std::fs::{File, Metadata, OpenOptions, TryLockError};
+use std::io;
+use std::path::{Path, PathBuf};
+
+use super::LogError;
+
+/// Where a log is written.
+#[derive(Debug)]
+pub(super) struct Place {
+    pub path: PathBuf,
+    /// What the system knows the file by; `None` for what is no plain file.
+    identity: Option<Identity>,
+}
+
+impl Place {
+    /// Creates the file at `path`, or empties it, unless another program is writing a log there.
+    pub fn create(path: &Path) -> Result<(File, Self), LogError> {
+        let fail = |error: io::Error| LogError::new(path, "create", error);
+        // It is not emptied before it is clear that no run writes it.
+        let file = OpenOptions::new().write(true).create(true).truncate(false).open(path).map_err(fail)?;
+        // Where locks are not known, as in some file systems of networks, there is none.
+        if matches!(file.try_lock(), Err(TryLockError::WouldBlock)) {
+            return Err(LogError::new(path, "create", "another run is writing it"));
+        }
+        let data = file.metadata().map_err(fail)?;
+        if data.is_file() {
+            file.set_len(0).map_err(fail)?;
+        }
+        let identity = data.is_file().then(|| identity(&data)).flatten();
+        Ok((file, Self { path: path.to_owned(), identity }))
+    }
+
+    /// Whether the file still is where it was created: what is written to one that was removed is lost.
+    pub fn check(&self) -> Result<(), LogError> {
+        let Some(created) = self.identity else { return Ok(()) };
+        let now = std::fs::metadata(&self.path).ok();
+        if now.as_ref().and_then(identity) == Some(created) {
+            return Ok(());
+        }
+        Err(LogError::new(&self.path, "write", "it was removed, moved or replaced while it was written"))
+    }
+}
+
+/// Device and number of a file.
+type Identity = (u64, u64);
+
+#[cfg(unix)]
+fn identity(data: &Metadata) -> Option<Identity> {
+    use std::os::unix::fs::MetadataExt;
+
+    Some((data.dev(), data.ino()))
+}
+
+/// An open file cannot be removed there.
+#[cfg(not(unix))]
+fn identity(_: &Metadata) -> Option<Identity> {
+    None
+}
