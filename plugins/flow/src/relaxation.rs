@@ -12,7 +12,8 @@
 //!
 //! With v* = 0 a zone is a sponge: it absorbs waves. In a channel with periodic sides a zone at the seam is outlet and inlet: it
 //! takes the wake out of the flow and sends it in again with the profile, and it does the work that the walls and bodies
-//! between take out.
+//! between take out. The pressure jump Δp that this takes holds the mean velocity of the channel back by `Δp/(ρ k ∫ f dx)` (where
+//! kfΔt is small), the integral over the zone: a ramp counts for 0.176 of its length.
 
 use bevy_ecs::prelude::*;
 use glam::DVec3;
@@ -36,7 +37,8 @@ use crate::Profile;
 /// 0 makes a sponge that absorbs waves. In a channel with periodic sides a zone at the seam is outlet and inlet: it restores the
 /// inflow and does the work that walls and bodies take out. The steady forces in a zone, such as the pressure jump that drives
 /// a channel, leave a difference from v* of the force per mass over k (or none, when kΔt is above 1): choose k so that it is
-/// small. v_max of Eq. 8 must not be less than the greatest speed of a target.
+/// small. A pressure jump Δp holds the mean velocity of a channel back by Δp/(ρ k ∫ f dx), where a ramp counts for 0.176 of its
+/// length. v_max of Eq. 8 must not be less than the greatest speed of a target.
 #[derive(Resource, Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(transparent)]
 pub struct RelaxationZones(IndexMap<String, RelaxationZone>);

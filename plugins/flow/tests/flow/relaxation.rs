@@ -7,6 +7,7 @@ use glam::DVec3;
 use storegga::outputs::OutputTimes;
 use storegga::particles::{Density, Fluid, Mass, Position, Pressure, ReferenceDensity, Velocity};
 use storegga::physics::EquationOfState;
+use storegga::probes::Series;
 
 use crate::support::{app, motion, refusal, run_until, stir};
 
@@ -183,6 +184,26 @@ fn a_zone_at_the_seam_drives_a_channel_and_keeps_its_mass() {
         samples.iter().fold((0.0, 0.0), |(a, b), s| (a + (s.0 - x) * (s.1 - p), b + (s.0 - x).powi(2)));
     let exact = -12.0 * 0.7 * 0.012 / (0.1 * 0.1);
     assert!((above / below / exact - 1.0).abs() < 0.06, "{} Pa/m, exact {exact} Pa/m", above / below);
+}
+
+#[test]
+fn a_weak_zone_holds_the_discharge_back_by_the_pressure_jump() {
+    let text = CHANNEL.replace("rate: 2000.0", "rate: 50.0").replace("end_time: 8.0", "end_time: 5.0");
+    let text = text.replace(
+        "phases:",
+        "probes: { \"flow\": MeanVelocity(shape: Box(min: (0.02, 0.0), max: (0.12, 0.1))) }, phases:",
+    );
+    let mut app = app(&text);
+    run_until(app.world_mut(), 5.0);
+    let mut series = app.world_mut().query::<&Series>();
+    let flow = series.iter(app.world()).find(|series| series.name == "flow").expect("it was asked for");
+    let late: Vec<f64> = flow.column(0).filter(|(time, _)| *time > 4.0).map(|(_, u)| u).collect();
+    let mean = late.iter().sum::<f64>() / late.len() as f64;
+    // The jump makes up for the friction of the whole period, Δp = 12 μ U L/H², and U = U* − Δp/(ρ k ∫ f dx). The zone is 0.06 m
+    // long with two ramps of 0.02 m.
+    let per_speed = 12.0 * 0.7 * 0.2 / (0.1 * 0.1) / (1000.0 * 50.0 * (0.02 + 2.0 * 0.176_06 * 0.02));
+    let exact = 0.012 / (1.0 + per_speed);
+    assert!(per_speed > 0.1 && (mean / exact - 1.0).abs() < 0.01, "{mean} m/s, exact {exact} m/s");
 }
 
 #[test]
