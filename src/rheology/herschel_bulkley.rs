@@ -1,15 +1,14 @@
 //! Herschel–Bulkley, Eq. 13.
 //!
-//! `μ = η γ̇^(K−1) + τ_y/γ̇`, singular at rest, and for K < 1 twice so. Regularised by name, and capped either way:
-//!
-//! - Papanastasiou (1987): `τ_y (1 − e^(−m γ̇))/γ̇`, → m τ_y at rest;
-//! - capped: `μ ← min(μ, μ_max)`.
+//! `μ = η γ̇^(K−1) + τ_y/γ̇`, singular at rest, and for K < 1 twice so. The yield term is [regularised](Regularisation)
+//! by name, and capped either way: `μ ← min(μ, μ_max)`.
 
 use bevy_ecs::prelude::Component;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{FlowCurve, Rheology};
+use super::power_law::power_viscosity;
+use super::{Bound, FlowCurve, Regularisation, Rheology, check_bounds};
 use crate::scene::Invalid;
 
 /// `μ = η γ̇^(K−1) + τ_y/γ̇` (Eq. 13), regularised.
@@ -33,84 +32,37 @@ pub struct HerschelBulkley {
     pub regularisation: Regularisation,
 }
 
-/// How `τ_y/γ̇` is kept finite at rest.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub enum Regularisation {
-    /// By the cap μ_max alone (a bi-viscous fluid).
-    #[default]
-    Capped,
-    /// `τ_y (1 − e^(−m γ̇))/γ̇`, and by the cap.
-    Papanastasiou {
-        /// Growth time m (s): the stress reaches τ_y at shear rates well above 1/m.
-        #[schemars(extend("unit" = "s", "exclusiveMinimum" = 0.0))]
-        m: f64,
-    },
-}
-
-impl HerschelBulkley {
-    /// τ_y/γ̇, regularised but not capped.
-    fn plastic_viscosity(&self, shear_rate: f64) -> f64 {
-        match self.regularisation {
-            // 0/0 for a fluid without yield stress at rest.
-            Regularisation::Capped if self.yield_stress == 0.0 => 0.0,
-            Regularisation::Capped => self.yield_stress / shear_rate,
-            Regularisation::Papanastasiou { m } if m * shear_rate < f64::EPSILON => m * self.yield_stress,
-            Regularisation::Papanastasiou { m } => -self.yield_stress * (-m * shear_rate).exp_m1() / shear_rate,
-        }
-    }
-}
-
 impl Rheology for HerschelBulkley {
     fn check(&self) -> Result<(), Invalid> {
-        let bounds = [
-            ("consistency", self.consistency, self.consistency >= 0.0, "must not be negative", "Pa s^K"),
-            ("exponent", self.exponent, self.exponent > 0.0, "must be greater than 0", ""),
-            ("yield_stress", self.yield_stress, self.yield_stress >= 0.0, "must not be negative", "Pa"),
-            ("max_viscosity", self.max_viscosity, self.max_viscosity > 0.0, "must be greater than 0", "Pa s"),
-        ];
-        if let Some((name, value, _, rule, unit)) = bounds.into_iter().find(|(_, _, holds, ..)| !holds) {
-            return Err(Invalid::new(name, format!("{rule}, got {value} {unit}").trim_end().to_owned()));
-        }
-        match self.regularisation {
-            Regularisation::Papanastasiou { m } if m <= 0.0 => {
-                Err(Invalid::new("regularisation.m", format!("must be greater than 0, got {m} s")))
-            }
-            _ => Ok(()),
-        }
+        check_bounds(&[
+            ("consistency", self.consistency, Bound::NotNegative, "Pa s^K"),
+            ("exponent", self.exponent, Bound::Positive, ""),
+            ("yield_stress", self.yield_stress, Bound::NotNegative, "Pa"),
+            ("max_viscosity", self.max_viscosity, Bound::Positive, "Pa s"),
+        ])?;
+        self.regularisation.check()
     }
 
     /// The cap, or what the curve of a fluid with K = 1 comes to at rest, where it is greatest: η + m τ_y, and η without a
     /// yield stress.
     fn greatest_viscosity(&self) -> f64 {
-        let at_rest = match self.regularisation {
-            _ if self.exponent != 1.0 => self.max_viscosity,
-            _ if self.yield_stress == 0.0 => self.consistency,
-            Regularisation::Papanastasiou { m } => self.consistency + m * self.yield_stress,
-            Regularisation::Capped => self.max_viscosity,
-        };
-        at_rest.min(self.max_viscosity)
+        if self.exponent == 1.0 { self.viscosity(0.0, 0.0) } else { self.max_viscosity }
     }
 }
 
 impl FlowCurve for HerschelBulkley {
     #[inline]
     fn viscosity(&self, shear_rate: f64, _: f64) -> f64 {
-        // K = 1 and K = 2 are common and `powf` is slow.
-        let viscous = match self.exponent - 1.0 {
-            // 0 · ∞ for a plastic without consistency at rest.
-            _ if self.consistency == 0.0 => 0.0,
-            0.0 => self.consistency,
-            1.0 => self.consistency * shear_rate,
-            power => self.consistency * shear_rate.powf(power),
-        };
-        (viscous + self.plastic_viscosity(shear_rate)).min(self.max_viscosity)
+        let viscous = power_viscosity(self.consistency, self.exponent, shear_rate);
+        let plastic = self.regularisation.yield_viscosity(self.yield_stress, shear_rate);
+        (viscous + plastic).min(self.max_viscosity)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rheology::test_support::{assert_greatest_viscosity, refused};
 
     const MUD: HerschelBulkley = HerschelBulkley {
         consistency: 3.0,
@@ -162,26 +114,24 @@ mod tests {
             (2.0, 20.0, smooth),
         ] {
             let mud = HerschelBulkley { exponent, yield_stress, regularisation, ..MUD };
-            let sweep = (-300..=300).map(|k| mud.viscosity(10_f64.powi(k) * 0.999, 0.0));
-            let found = sweep.fold(0.0, f64::max);
-            let said = mud.greatest_viscosity();
-            assert!(
-                (found / said - 1.0).abs() < 1e-9,
-                "K = {exponent}, τ_y = {yield_stress}: {found}, not {said} Pa s"
-            );
+            assert_greatest_viscosity(&mud);
         }
         let plastic = HerschelBulkley { consistency: 0.0, yield_stress: 0.0, ..MUD };
         assert_eq!(plastic.viscosity(0.0, 0.0), 0.0);
     }
 
     #[test]
-    fn papanastasiou_joins_its_series_and_its_limit() {
-        let mud = HerschelBulkley { exponent: 1.0, regularisation: Regularisation::Papanastasiou { m: 10.0 }, ..MUD };
-        // (1 − e^(−x))/x = 1 − x/2 + x²/6 …
-        let x = 1e-5;
-        let series = 3.0 + 200.0 * (1.0 - x / 2.0 + x * x / 6.0);
-        assert!((mud.viscosity(x / 10.0, 0.0) - series).abs() < 1e-9);
-        let fast = mud.viscosity(50.0, 0.0) * 50.0;
-        assert!((fast - (20.0 + 150.0)).abs() < 1e-9);
+    fn parameters_that_make_no_sense_are_refused() {
+        assert_eq!(MUD.check(), Ok(()));
+        for value in [-1.0, f64::NAN] {
+            let mud = HerschelBulkley { consistency: value, ..MUD };
+            assert_eq!(refused(&mud), "consistency: must not be negative");
+            assert_eq!(refused(&HerschelBulkley { yield_stress: value, ..MUD }), "yield_stress: must not be negative");
+        }
+        for value in [-1.0, 0.0, f64::NAN] {
+            assert_eq!(refused(&HerschelBulkley { exponent: value, ..MUD }), "exponent: must be greater than 0");
+            let mud = HerschelBulkley { max_viscosity: value, ..MUD };
+            assert_eq!(refused(&mud), "max_viscosity: must be greater than 0");
+        }
     }
 }

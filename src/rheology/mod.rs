@@ -9,24 +9,49 @@
 //!   [`Clock`](crate::clock::Clock)
 //!   ([`register_rheology_system`](crate::app::StoreggaApp::register_rheology_system)).
 
+mod bi_viscosity;
+mod bingham;
+mod carreau_yasuda;
+mod casson;
+mod cross;
 mod herschel_bulkley;
 mod newtonian;
+mod parameters;
+mod power_law;
 mod registry;
+mod regularisation;
+#[cfg(test)]
+mod test_support;
 
-pub use herschel_bulkley::{HerschelBulkley, Regularisation};
+pub use bi_viscosity::BiViscosity;
+pub use bingham::Bingham;
+pub use carreau_yasuda::CarreauYasuda;
+pub use casson::Casson;
+pub use cross::Cross;
+pub use herschel_bulkley::HerschelBulkley;
 pub use newtonian::Newtonian;
+pub use parameters::{Bound, check_bounds, check_order};
+pub use power_law::PowerLaw;
 pub use registry::{FlowCurve, Rheology, RheologyFacts, RheologyRegistry, apply_flow_curve};
+pub use regularisation::Regularisation;
 
 use bevy_app::{App, Plugin};
 
 use crate::app::StoreggaApp;
 
-/// The paper's rheologies.
+/// The paper's rheologies, and other fluids by name.
 pub struct RheologyPlugin;
 
 impl Plugin for RheologyPlugin {
     fn build(&self, app: &mut App) {
         app.register_rebuilt::<RheologyRegistry>();
-        app.register_rheology::<Newtonian>("Newtonian").register_rheology::<HerschelBulkley>("HerschelBulkley");
+        app.register_rheology::<Newtonian>("Newtonian")
+            .register_rheology::<HerschelBulkley>("HerschelBulkley")
+            .register_rheology::<Bingham>("Bingham")
+            .register_rheology::<PowerLaw>("PowerLaw")
+            .register_rheology::<Casson>("Casson")
+            .register_rheology::<CarreauYasuda>("CarreauYasuda")
+            .register_rheology::<Cross>("Cross")
+            .register_rheology::<BiViscosity>("BiViscosity");
     }
 }

@@ -12,7 +12,7 @@ use storegga::particles::{Fluid, Position, Velocity};
 use crate::support::{app, disturb, evaluate};
 
 /// Liquid between two plates 1 m apart, drawn along them by 0.8 m/s².
-fn plates(head: &str, rheology: &str) -> App {
+pub fn plates(head: &str, rheology: &str) -> App {
     let text = format!(
         r#"Scene(
             dimension: 2, spacing: 0.05, gravity: (0.8, 0.0), end_time: 10.0, periodic: (x: (0.0, 0.3)), {head}
@@ -26,7 +26,7 @@ fn plates(head: &str, rheology: &str) -> App {
 }
 
 /// Relative L2 error of the velocity along the plates.
-fn error(world: &mut World, exact: impl Fn(f64) -> f64) -> f64 {
+pub fn error(world: &mut World, exact: impl Fn(f64) -> f64) -> f64 {
     let (mut difference, mut norm) = (0.0, 0.0);
     for (x, v) in world.query_filtered::<(&Position, &Velocity), With<Fluid>>().iter(world) {
         let u = exact(x.0.y);

@@ -14,6 +14,7 @@ mod neighbours;
 mod periodic;
 mod pressure_forces;
 mod refusals;
+mod rheologies;
 mod settling;
 mod slip;
 mod state;
