@@ -17,6 +17,7 @@ use crate::clock::Clock;
 use crate::error::UserError;
 use crate::failure;
 use crate::kernels::{CubicSpline, Kernel, KernelRegistry, QuinticSpline, SmoothingKernel, WendlandC2, WendlandC4};
+use crate::log::ParticleFields;
 use crate::outputs::OutputTimes;
 use crate::particles::{
     Acceleration, Density, DensityRate, Fluid, Mass, ParticleColumns, ParticleId, PhaseIndex, Position, Pressure,
@@ -80,6 +81,15 @@ pub trait StoreggaApp {
     /// Says that the component or resource `T` needs no place in [checkpoints](crate::checkpoint): it follows from the scene,
     /// or is computed anew before it is read. Scene sections, rheologies and probes are known as such.
     fn register_rebuilt<T: Component>(&mut self) -> &mut Self;
+
+    /// Adds the field `name` (in `unit`) to the point cloud `/particles` of the log: the `value` of column `T`, for scenes
+    /// in which an entity has the component `Used`, such as a phase its rheology.
+    fn log_particle_column<T: Component, Used: Component>(
+        &mut self,
+        name: &'static str,
+        unit: &'static str,
+        value: fn(&T) -> f64,
+    ) -> &mut Self;
 }
 
 /// Orders the systems of registered rheologies, which may all write the viscosity, by registration.
@@ -160,6 +170,16 @@ impl StoreggaApp for App {
 
     fn register_rebuilt<T: Component>(&mut self) -> &mut Self {
         SavedState::register_rebuilt::<T>(self.world_mut());
+        self
+    }
+
+    fn log_particle_column<T: Component, Used: Component>(
+        &mut self,
+        name: &'static str,
+        unit: &'static str,
+        value: fn(&T) -> f64,
+    ) -> &mut Self {
+        ParticleFields::register::<T, Used>(self.world_mut(), name, unit, value);
         self
     }
 }

@@ -1,7 +1,9 @@
 //! The registration points of the framework, used from outside: what a plugin can bring, it brings here.
 
-use bevy_app::{App, Plugin, PluginGroup};
+use bevy_app::{App, Plugin, PluginGroup, PluginGroupBuilder};
 use bevy_ecs::prelude::*;
+use foxglove::Decode;
+use foxglove::messages::PointCloud;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use storegga::app::{End, PaperPlugins, StopFlag, StoreggaApp, open, run};
@@ -9,6 +11,7 @@ use storegga::checkpoint::{check_state, restore_state, save_state};
 use storegga::clock::Clock;
 use storegga::error::UserError;
 use storegga::kernels::Kernel;
+use storegga::log::{close_log, open_log};
 use storegga::outputs::{OutputKind, OutputTimes};
 use storegga::particles::{DensityRate, Fluid, ParticleId, PhaseIndex, ShearRate, Viscosity};
 use storegga::phases::Phase;
@@ -141,6 +144,8 @@ struct Outside;
 impl Plugin for Outside {
     fn build(&self, app: &mut App) {
         app.register_particle_column::<Strain>()
+            .log_particle_column::<Strain, Softening>("strain", "1", |strain| strain.0)
+            .log_particle_column::<Owner, Careless>("owner", "", |owner| f64::from(owner.0))
             .register_particle_column::<Owner>()
             .register_rheology_system::<Softening, _>("Softening", soften)
             .register_kernel("Cubic", Cubic)
@@ -254,7 +259,41 @@ fn a_wrong_section_is_refused_in_its_place() {
     assert!(unknown.contains("did you mean `Cubic`?"), "{unknown}");
 }
 
+/// The last frame of `/particles` in the log of the scene, and its state at the end.
+fn logged(plugins: PluginGroupBuilder, document: Document) -> (PointCloud, App) {
+    let mut app = open(plugins, document).unwrap_or_else(|error| panic!("{error}"));
+    let path = std::env::temp_dir().join(format!("storegga-registration-{}.mcap", std::process::id()));
+    open_log(app.world_mut(), &path, 0.05).expect("a log is opened");
+    let end = run(app.world_mut(), 0.05, &StopFlag::default(), |_| {});
+    close_log(app.world_mut(), &end).expect("the log is written");
+    let bytes = std::fs::read(&path).expect("the log is there");
+    let _ = std::fs::remove_file(&path);
+    let messages = mcap::MessageStream::new(&bytes).expect("a log").map(|message| message.expect("a message"));
+    let last = messages.filter(|message| message.channel.topic == "/particles").last().expect("a frame");
+    (PointCloud::decode(&*last.data).expect("a point cloud"), app)
+}
+
+#[test]
+fn a_column_can_be_logged_by_scenes_that_use_it() {
+    let document = Document::parse("test.ron", SCENE).unwrap_or_else(|error| panic!("{error}"));
+    let (cloud, mut app) = logged(PaperPlugins.build().add(Outside), document);
+    // The column of something that this scene does not have is left out.
+    let field = cloud.fields.last().expect("there are fields");
+    assert_eq!((field.name.as_str(), cloud.fields.len()), ("strain", 13));
+    let world = app.world_mut();
+    let strains: Vec<f64> = world.query_filtered::<&Strain, With<Fluid>>().iter(world).map(|strain| strain.0).collect();
+    assert!(strains.iter().any(|strain| *strain > 0.0) && strains.len() == 96);
+    for (row, strain) in cloud.data.chunks(cloud.point_stride as usize).zip(strains) {
+        let at = field.offset as usize;
+        let bytes: [u8; 4] = row[at..at + 4].try_into().expect("four bytes");
+        assert_eq!(f32::from_le_bytes(bytes), strain as f32);
+    }
+    let (cloud, _) = logged(PaperPlugins.build(), plain_scene());
+    assert_eq!(cloud.fields.len(), 12);
+}
+
 /// Puts a component on fluid particles without registering it.
+#[derive(Component)]
 struct Careless;
 
 impl Plugin for Careless {

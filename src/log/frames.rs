@@ -3,7 +3,7 @@
 use bevy_ecs::prelude::*;
 
 use super::plugin::{Log, LogFailure};
-use super::{Column, LogError, LogWriter, PointsId};
+use super::{Column, LogError, LogWriter, ParticleFields, PointsId};
 use crate::boundary::{Body, Motion, Structure};
 use crate::clock::Clock;
 use crate::particles::{
@@ -27,6 +27,7 @@ pub(super) fn write_particles(
     mut log: ResMut<Log>,
     mut failure: ResMut<LogFailure>,
     clock: Res<Clock>,
+    more: Res<ParticleFields>,
     fluid: Query<FluidColumns, With<Fluid>>,
 ) {
     let scalar = |of: fn(<FluidColumns as bevy_ecs::query::QueryData>::Item<'_, '_>) -> f64| -> Vec<f64> {
@@ -38,7 +39,7 @@ pub(super) fn write_particles(
     let (viscosity, shear_rate) = (scalar(|row| row.4.0), scalar(|row| row.5.0));
     let phase: Vec<_> = fluid.iter().map(|row| byte(row.6.0)).collect();
     let id: Vec<_> = fluid.iter().map(|row| row.7.0).collect();
-    let columns = [
+    let own = [
         Column::Vector(&positions),
         Column::Vector(&velocities),
         Column::Scalar(&density),
@@ -48,6 +49,7 @@ pub(super) fn write_particles(
         Column::U8(&phase),
         Column::U32(&id),
     ];
+    let columns: Vec<_> = own.into_iter().chain(more.values().iter().map(|values| Column::Scalar(values))).collect();
     let channel = log.particles;
     failure.note(log.writer.write_points(channel, clock.time, &columns));
 }

@@ -18,6 +18,7 @@ mod doctor;
 mod error;
 mod facts;
 mod frames;
+mod particle_fields;
 mod place;
 mod plugin;
 mod points;
@@ -45,3 +46,4 @@ pub use writer::{Level, LogWriter};
 pub(crate) use reopen::{mark_log, reopen_log};
 
 use facts::program_facts;
+pub(crate) use particle_fields::ParticleFields;

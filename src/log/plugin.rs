@@ -9,10 +9,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::frames::{write_bodies, write_particles};
+use super::particle_fields::collect_particle_fields;
 use super::recover::END;
 use super::{
-    BODY_FIELDS, FLUID_FIELDS, Field, Level, LogError, LogWriter, PointsId, SeriesId, Value, derived_numbers,
-    program_facts,
+    BODY_FIELDS, FLUID_FIELDS, Field, Level, LogError, LogWriter, ParticleFields, PointField, PointsId, SeriesId,
+    Value, derived_numbers, program_facts,
 };
 use crate::app::{End, StoreggaApp};
 use crate::boundary::{Body, Structure};
@@ -129,10 +130,10 @@ pub struct LogPlugin;
 
 impl Plugin for LogPlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<LogFailure>();
-        app.register_rebuilt::<Log>().register_rebuilt::<LogFailure>();
+        app.init_resource::<LogFailure>().init_resource::<ParticleFields>();
+        app.register_rebuilt::<Log>().register_rebuilt::<LogFailure>().register_rebuilt::<ParticleFields>();
         app.register_scene_section::<LogSection>();
-        let frame = (write_particles, write_bodies).chain().run_if(due(OutputKind::Frames));
+        let frame = (collect_particle_fields, write_particles, write_bodies).chain().run_if(due(OutputKind::Frames));
         let series = (write_series, write_step).chain().run_if(due(OutputKind::Series));
         let systems = (series, frame, flush).chain().in_set(OutputStage::Write).run_if(resource_exists::<Log>);
         app.add_systems(Output, systems);
@@ -178,7 +179,7 @@ fn flush(mut log: ResMut<Log>, mut failure: ResMut<LogFailure>, times: Res<Outpu
 impl Log {
     /// The log of a world that goes to `writer`, with the topics that every run has.
     pub(super) fn new(world: &mut World, mut writer: LogWriter) -> Result<Self, LogError> {
-        let particles = writer.add_points("/particles", &FLUID_FIELDS)?;
+        let particles = writer.add_points("/particles", &fluid_fields(world))?;
         let walls = any::<Wall>(world).then(|| writer.add_points("/walls", &BODY_FIELDS)).transpose()?;
         let structures = any::<Solid>(world).then(|| writer.add_points("/structures", &BODY_FIELDS)).transpose()?;
         let steps = writer.add_series("/steps", "time step and what limits it", &STEP_FIELDS)?;
@@ -263,8 +264,14 @@ fn names(world: &mut World) -> [(&'static str, Vec<(String, String)>); 4] {
         own.map(|(body, _)| (body.index.to_string(), body.name.clone())).collect()
     };
     let (walls, structures) = (named(false), named(true));
-    let units = FLUID_FIELDS.iter().chain(&BODY_FIELDS).map(|field| (field.name.to_owned(), field.unit.to_owned()));
+    let fluid_fields = fluid_fields(world);
+    let units = fluid_fields.iter().chain(&BODY_FIELDS).map(|field| (field.name.to_owned(), field.unit.to_owned()));
     [("phases", phases), ("walls", walls), ("structures", structures), ("units", units.collect())]
+}
+
+/// The fields of a fluid particle, those of plugins last.
+fn fluid_fields(world: &mut World) -> Vec<PointField<'static>> {
+    [FLUID_FIELDS.as_slice(), &ParticleFields::choose(world)].concat()
 }
 
 fn any<M: Component>(world: &mut World) -> bool {
@@ -299,6 +306,7 @@ pub fn close_log(world: &mut World, end: &End) -> Result<(), String> {
         for result in [world.run_system_cached(write_series), world.run_system_cached(write_step)] {
             result.map_err(|error| error.to_string())?;
         }
+        world.run_system_cached(collect_particle_fields).map_err(|error| error.to_string())?;
         world.run_system_cached(write_particles).map_err(|error| error.to_string())?;
         world.run_system_cached(write_bodies).map_err(|error| error.to_string())?;
     }
