@@ -74,19 +74,19 @@ impl Resolved {
         let series = world.get::<Series>(self.series);
         let samples: Vec<Sample> = series.map(|series| series.column(self.field).collect()).unwrap_or_default();
         let unit = series.and_then(|series| series.fields.get(self.field)).map_or("", |field| field.unit.as_str());
-        let (value, note) = match self.value(&samples) {
+        let (value, note) = match self.value(&samples).and_then(|value| self.other(world).map(|_| value)) {
             Ok(value) if value.is_nan() => (value, "what was measured is not a number".to_owned()),
             Ok(value) => (value, String::new()),
             Err(why) => (f64::NAN, why),
         };
-        let (least, greatest) = self.accepted();
+        let (least, greatest) = self.accepted(world);
         Check {
             name: self.name.clone(),
             value,
             expected: 0.5 * (least + greatest),
             tolerance: 0.5 * (greatest - least),
             unit: unit.to_owned(),
-            expected_text: self.expected(unit),
+            expected_text: self.expected(world, unit),
             tolerance_text: self.tolerance(unit),
             // NaN is in no range.
             pass: (least..=greatest).contains(&value),
@@ -103,9 +103,26 @@ impl Resolved {
         }
     }
 
+    /// The value that it should be the same as, if it is another series', or why there is none.
+    fn other(&self, world: &World) -> Result<Option<f64>, String> {
+        let Target::Series(entity, field, name) = &self.target else { return Ok(None) };
+        let samples: Vec<Sample> =
+            world.get::<Series>(*entity).map(|series| series.column(*field).collect()).unwrap_or_default();
+        self.take.of(&samples).map(Some).map_err(|why| format!("{name}: {why}"))
+    }
+
     /// The least and the greatest value that is accepted.
-    fn accepted(&self) -> (f64, f64) {
+    fn accepted(&self, world: &World) -> (f64, f64) {
         match (&self.target, self.tolerance) {
+            (Target::Series(..), tolerance) => {
+                let other = self.other(world).ok().flatten().unwrap_or(f64::NAN);
+                let d = match tolerance {
+                    Tolerance::Relative(fraction, _) => fraction * other.abs(),
+                    Tolerance::Absolute(difference) => difference,
+                    Tolerance::Range => 0.0,
+                };
+                (other - d, other + d)
+            }
             (Target::Between(least, greatest), _) => (*least, *greatest),
             (Target::Number(number), Tolerance::Relative(_, d) | Tolerance::Absolute(d)) => (number - d, number + d),
             (Target::Table(..), Tolerance::Relative(_, d) | Tolerance::Absolute(d)) => (-d, d),
@@ -114,12 +131,16 @@ impl Resolved {
         }
     }
 
-    fn expected(&self, unit: &str) -> String {
+    fn expected(&self, world: &World, unit: &str) -> String {
         match &self.target {
             Target::Number(number) => format!("{} {unit}", rounded(*number)).trim_end().to_owned(),
             Target::Between(least, greatest) => {
                 format!("{} … {} {unit}", rounded(*least), rounded(*greatest)).trim_end().to_owned()
             }
+            Target::Series(.., name) => match self.other(world) {
+                Ok(Some(other)) => format!("{} {unit} ({name})", rounded(other)),
+                _ => name.clone(),
+            },
             Target::Table(table, file) => format!("{file} ({} rows)", table.len()),
         }
     }
@@ -186,6 +207,28 @@ mod tests {
             let app = measured(&expecting(&format!("(name: \"n\", of: \"floor.volume\", {rest})")));
             assert_eq!(only(&app).pass, pass, "{rest}");
         }
+    }
+
+    #[test]
+    fn two_numbers_of_a_run_can_be_compared() {
+        // The floor fills 0.06 m² and displaces none of the fluid; its weight is carried by nobody else.
+        for (of, rest, pass) in [
+            ("floor.volume", "is: SameAs(\"floor.displaced\"), within: Absolute(0.061)", true),
+            ("floor.volume", "is: SameAs(\"floor.displaced\"), within: Absolute(0.059)", false),
+            ("floor.pressure_y", "is: SameAs(\"floor.force_y\"), within: Relative(1e-9)", true),
+            ("floor.viscous_y", "is: SameAs(\"floor.force_y\"), within: Relative(0.9)", false),
+        ] {
+            let app = measured(&expecting(&format!("(name: \"n\", of: \"{of}\", {rest})")));
+            let check = only(&app);
+            assert_eq!(check.pass, pass, "{rest}: {check:?}");
+            assert!(check.expected_text.contains(if of == "floor.volume" {
+                "(floor.displaced)"
+            } else {
+                "(floor.force_y)"
+            }));
+        }
+        let expectation = "(name: \"n\", of: \"floor.volume\", is: SameAs(\"floor.volume\"), within: Relative(0))";
+        assert_eq!(only(&opened(&expecting(expectation))).note, "nothing was measured");
     }
 
     #[test]

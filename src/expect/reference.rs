@@ -5,6 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::displaced::{buoyancy, column, structure};
+use super::section::find;
 use super::table::CsvTable;
 use crate::particles::{Fluid, Mass};
 use crate::physics::{EquationOfState, Gravity};
@@ -48,6 +49,8 @@ pub enum Reference {
         /// Name of the structure.
         structure: String,
     },
+    /// Another number of the run, `<series>.<field>`, taken in the same way.
+    SameAs(String),
     /// A series in a CSV file: columns parted by `,`, a line of names, then a row a time; lines that begin with `#` are skipped. Every row is
     /// compared, and the value is the relative L2 difference `√(Σ (y_k − ŷ(t_k))² / Σ y_k²)` of the series ŷ from the rows
     /// y_k or, if the tolerance is `Absolute`, the root mean square of y_k − ŷ(t_k).
@@ -68,6 +71,8 @@ pub(super) enum Target {
     Number(f64),
     /// A range.
     Between(f64, f64),
+    /// A field of another series, and what the scene calls it.
+    Series(Entity, usize, String),
     /// A series and the name of its file.
     Table(CsvTable, String),
 }
@@ -88,6 +93,10 @@ impl Reference {
             Self::DisplacedWeight { structure, beside } => buoyancy(world, structure, *beside),
             Self::HydrostaticPressure { at } => hydrostatic_pressure(world, *at),
             Self::ShapeMeasure { structure } => shape_measure(world, structure),
+            Self::SameAs(of) => {
+                let (series, field) = find(world, of).map_err(|invalid| Invalid::new("", invalid.message))?;
+                return Ok(Target::Series(series, field, of.clone()));
+            }
             Self::Csv { file, time, value } => {
                 let path = scene_file(world, file);
                 let table = CsvTable::read(&path, time, value)?;

@@ -113,6 +113,15 @@ impl Expectation {
                 "every value of the file is 0, and a fraction of 0 is 0: use `Absolute`",
             ));
         }
+        if let Target::Series(other, other_field, _) = target {
+            let unit = |(series, field): (Entity, usize)| {
+                world.get::<Series>(series).map(|series| series.fields[field].unit.clone()).unwrap_or_default()
+            };
+            let (own, its) = (unit((series, field)), unit((other, other_field)));
+            if own != its {
+                return Err(Invalid::new("is", format!("the two numbers differ in unit: `{own}` and `{its}`")));
+            }
+        }
         let tolerance = match (&target, self.within) {
             (Target::Number(number), Some(Within::Relative(r))) => Tolerance::Relative(r, r * number.abs()),
             (_, Some(Within::Relative(r))) => Tolerance::Relative(r, r),
@@ -124,7 +133,7 @@ impl Expectation {
 }
 
 /// The series and the index of the field called `of`.
-fn find(world: &mut World, of: &str) -> Result<(Entity, usize), Invalid> {
+pub(super) fn find(world: &mut World, of: &str) -> Result<(Entity, usize), Invalid> {
     let mut query = world.query::<(Entity, &Series)>();
     // Names may have dots in them: the last one parts series and field.
     let (name, field) = of.rsplit_once('.').unwrap_or((of, ""));
@@ -163,6 +172,8 @@ mod tests {
             ("is: Number(1), within: Absolute(1), take: Mean(from: 2, to: 1)", "after `from`"),
             ("is: Csv(file: \"a\", time: \"t\", value: \"v\"), within: Relative(1), take: Max", "leave `take` out"),
             ("is: Csv(file: \"a\", time: \"t\", value: \"v\"), within: Relative(1)", "cannot be read"),
+            ("is: SameAs(\"floor.forc_y\"), within: Relative(0.1)", "did you mean `force_y`?"),
+            ("is: SameAs(\"floor.volume\"), within: Relative(0.1)", "differ in unit: `N` and `m³`"),
             ("is: Number(1), within: Absolute(1), take: At(1.1)", "1.1 s lies outside the run"),
         ] {
             let refusal = refusal(&format!("of: \"floor.force_y\", {rest}"));

@@ -4,17 +4,15 @@ use bevy_ecs::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::parameters::phase;
+use super::parameters::{component, flow_law, phase};
 use super::{ChannelFlow, Probe, SeriesField, State};
-use crate::particles::ReferenceDensity;
-use crate::phases::Phase;
 use crate::physics::Gravity;
-use crate::rheology::{HerschelBulkley, Newtonian};
 use crate::scene::Invalid;
 use crate::scene::geometry::Axis;
 
 /// Relative L2 error, `l2`: `√( Σ V (u − û)² / Σ V û² )` of the velocity u along a plane channel against the exact steady flow û
-/// ([`ChannelFlow`]) that the gravity along it drives. The phase is Newtonian or Herschel–Bulkley.
+/// ([`ChannelFlow`]) that the gravity along it drives. The phase is Newtonian or Herschel–Bulkley, or one
+/// of their special cases (Bingham, a power law).
 ///
 /// The `plug_velocity` (m/s, beside the `exact_plug_velocity`) is the mean over particles nearer to the mid-plane than s0, or than one spacing if the plug is
 /// thinner.
@@ -63,15 +61,15 @@ impl Probe for ChannelError {
         }
         let gravity = world.resource::<Gravity>().full[component(self.along)];
         self.sense = gravity.signum();
-        let (rho0, eta, exponent, yield_stress) = self.material(world)?;
+        let law = flow_law(world, self.index)?;
         self.flow = ChannelFlow {
             half_width: 0.5 * (to - from),
-            force: rho0 * gravity.abs(),
-            consistency: eta,
-            exponent,
-            yield_stress,
+            force: law.reference_density * gravity.abs(),
+            consistency: law.consistency,
+            exponent: law.exponent,
+            yield_stress: law.yield_stress,
         };
-        if self.flow.force * self.flow.half_width <= yield_stress {
+        if self.flow.force * self.flow.half_width <= law.yield_stress {
             let message =
                 "gravity along the channel is too weak: the stress at the walls does not pass the yield stress";
             return Err(Invalid::new("", message));
@@ -96,32 +94,6 @@ impl Probe for ChannelError {
             }
         }
         row.copy_from_slice(&[(error / norm).sqrt(), plug / plug_volume, self.flow.velocity(0.0)]);
-    }
-}
-
-impl ChannelError {
-    /// Reference density (kg/m³), consistency (Pa s^K), exponent and yield stress (Pa) of the phase.
-    fn material(&self, world: &mut World) -> Result<(f64, f64, f64, f64), Invalid> {
-        let mut phases = world.query::<(&Phase, &ReferenceDensity, Option<&HerschelBulkley>, Option<&Newtonian>)>();
-        let own = phases.iter(world).find(|(phase, ..)| phase.index == self.index);
-        let (rho0, eta, exponent, yield_stress) = match own {
-            Some((_, rho0, Some(fluid), _)) => (rho0.0, fluid.consistency, fluid.exponent, fluid.yield_stress),
-            Some((_, rho0, None, Some(fluid))) => (rho0.0, fluid.viscosity, 1.0, 0.0),
-            _ => return Err(Invalid::new("phase", "its rheology must be Newtonian or HerschelBulkley")),
-        };
-        if eta <= 0.0 {
-            return Err(Invalid::new("phase", "a fluid without viscosity has no steady channel flow"));
-        }
-        Ok((rho0, eta, exponent, yield_stress))
-    }
-}
-
-/// Index of the component along an axis.
-fn component(axis: Axis) -> usize {
-    match axis {
-        Axis::X => 0,
-        Axis::Y => 1,
-        Axis::Z => 2,
     }
 }
 

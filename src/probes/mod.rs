@@ -7,6 +7,8 @@
 mod center_of_mass;
 mod channel_error;
 mod channel_flow;
+mod couette_error;
+mod couette_flow;
 mod density_error;
 mod energy;
 mod front;
@@ -18,6 +20,7 @@ mod probe;
 mod rigid_rotation;
 mod section;
 mod series;
+mod shear_stress;
 mod state;
 mod structure_load;
 mod surface_height;
@@ -27,6 +30,8 @@ pub(crate) mod test_support;
 pub use center_of_mass::CenterOfMass;
 pub use channel_error::ChannelError;
 pub use channel_flow::ChannelFlow;
+pub use couette_error::CouetteError;
+pub use couette_flow::{CouetteFlow, CouetteLayer};
 pub use density_error::DensityError;
 pub use energy::Energy;
 pub use front::Front;
@@ -37,6 +42,7 @@ pub use probe::{Probe, ProbeRegistry, ProbeSystems};
 pub use rigid_rotation::RigidRotationError;
 pub use section::ProbesSection;
 pub use series::{Series, SeriesField};
+pub use shear_stress::ShearStress;
 pub use state::{FluidColumns, State, StateParam, Structures};
 pub use structure_load::StructureLoad;
 pub use surface_height::SurfaceHeight;
@@ -59,6 +65,8 @@ impl Plugin for ProbesPlugin {
             .register_probe::<CenterOfMass>("CenterOfMass")
             .register_probe::<HydrostaticError>("HydrostaticError")
             .register_probe::<ChannelError>("ChannelError")
+            .register_probe::<CouetteError>("CouetteError")
+            .register_probe::<ShearStress>("ShearStress")
             .register_probe::<DensityError>("DensityError")
             .register_probe::<Interface>("Interface")
             .register_probe::<RigidRotationError>("RigidRotationError")

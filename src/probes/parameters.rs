@@ -3,9 +3,11 @@
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 
-use crate::phases::phase_named;
+use crate::particles::ReferenceDensity;
+use crate::phases::{Phase, phase_named};
 use crate::physics::Gravity;
-use crate::scene::geometry::{Point, coordinates};
+use crate::rheology::{Bingham, HerschelBulkley, Newtonian, PowerLaw};
+use crate::scene::geometry::{Axis, Point, coordinates};
 use crate::scene::{Invalid, Resolution};
 
 /// Position (m) of the field `name`.
@@ -30,4 +32,52 @@ pub(super) fn phase(world: &mut World, name: &str) -> Result<u32, Invalid> {
 pub(super) fn up(world: &World) -> Result<DVec3, Invalid> {
     let against = -world.resource::<Gravity>().full;
     against.try_normalize().ok_or_else(|| Invalid::new("", "a height needs a gravity that is not zero"))
+}
+
+/// Index of the component along an axis.
+pub(super) fn component(axis: Axis) -> usize {
+    match axis {
+        Axis::X => 0,
+        Axis::Y => 1,
+        Axis::Z => 2,
+    }
+}
+
+/// Herschel–Bulkley's law `τ = τ_y + η γ̇^K` of a phase, for exact flows.
+pub(super) struct FlowLaw {
+    /// Reference density ρ0 (kg/m³).
+    pub reference_density: f64,
+    /// Consistency η (Pa s^K).
+    pub consistency: f64,
+    /// Exponent K (dimensionless).
+    pub exponent: f64,
+    /// Yield stress τ_y (Pa).
+    pub yield_stress: f64,
+}
+
+/// The law of the phase with this index, whose rheology must be Herschel–Bulkley or a special case of it.
+pub(super) fn flow_law(world: &mut World, index: u32) -> Result<FlowLaw, Invalid> {
+    let mut phases = world.query::<(
+        &Phase,
+        &ReferenceDensity,
+        (Option<&HerschelBulkley>, Option<&Newtonian>, Option<&Bingham>, Option<&PowerLaw>),
+    )>();
+    let Some((_, rho0, models)) = phases.iter(world).find(|(phase, ..)| phase.index == index) else {
+        return Err(Invalid::new("phase", "has no rheology"));
+    };
+    let (consistency, exponent, yield_stress) = match models {
+        (Some(fluid), ..) => (fluid.consistency, fluid.exponent, fluid.yield_stress),
+        (_, Some(fluid), ..) => (fluid.viscosity, 1.0, 0.0),
+        (_, _, Some(fluid), _) => (fluid.plastic_viscosity, 1.0, fluid.yield_stress),
+        (.., Some(fluid)) => (fluid.consistency, fluid.exponent, 0.0),
+        _ => {
+            let message = "its rheology must be Newtonian, HerschelBulkley, Bingham or PowerLaw: \
+                 the exact flow of others is not known here";
+            return Err(Invalid::new("phase", message));
+        }
+    };
+    if consistency <= 0.0 {
+        return Err(Invalid::new("phase", "a fluid without viscosity has no steady flow"));
+    }
+    Ok(FlowLaw { reference_density: rho0.0, consistency, exponent, yield_stress })
 }
