@@ -7,10 +7,10 @@ use super::Vector;
 use crate::neighbours::Rows;
 
 /// Particles below which a loop is not split further between threads.
-pub(crate) const GRAIN: usize = 256;
+pub const GRAIN: usize = 256;
 
 /// Particles above which a loop is always split, so that a thread that was held up leaves its share to the others.
-pub(crate) const PIECE: usize = 2048;
+pub const PIECE: usize = 2048;
 
 /// One particle as a sweep sees it: where it is and the values that the pair term needs.
 #[derive(Debug, Clone, Copy)]

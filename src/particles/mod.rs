@@ -7,7 +7,5 @@ mod vector;
 
 pub use columns::{ColumnError, ParticleColumns, columns, permute_columns};
 pub use components::*;
-pub use gather::{Gather, Gathered};
+pub use gather::{GRAIN, Gather, Gathered, PIECE};
 pub use vector::Vector;
-
-pub(crate) use gather::{GRAIN, PIECE};

@@ -32,7 +32,7 @@ pub use herschel_bulkley::HerschelBulkley;
 pub use newtonian::Newtonian;
 pub use parameters::{Bound, check_bounds, check_order};
 pub use power_law::PowerLaw;
-pub use registry::{FlowCurve, Rheology, RheologyFacts, RheologyRegistry, apply_flow_curve};
+pub use registry::{FlowCurve, Rheology, RheologyFacts, RheologyRegistry, apply_flow_curve, models_by_phase};
 pub use regularisation::Regularisation;
 
 use bevy_app::{App, Plugin};

@@ -115,18 +115,26 @@ fn read<R: Rheology>(
     Ok(facts)
 }
 
+/// The rheology `R` of each phase by its index, `None` for phases of another, in the reused memory of `models`.
+pub fn models_by_phase<'a, R: Rheology>(
+    models: &'a mut Vec<Option<R>>,
+    phases: &Query<(&Phase, Option<&R>)>,
+) -> &'a [Option<R>] {
+    models.clear();
+    models.resize(phases.iter().len(), None);
+    for (phase, model) in phases {
+        models[phase.index as usize] = model.cloned();
+    }
+    models
+}
+
 /// Applies a [`FlowCurve`] to the particles of every phase that has it.
 pub fn apply_flow_curve<R: FlowCurve>(
     mut models: Local<Vec<Option<R>>>,
     phases: Query<(&Phase, Option<&R>)>,
     mut fluid: Query<(&PhaseIndex, &ShearRate, &Pressure, &mut Viscosity), With<Fluid>>,
 ) -> Result {
-    models.clear();
-    models.resize(phases.iter().len(), None);
-    for (phase, model) in &phases {
-        models[phase.index as usize] = model.cloned();
-    }
-    let models = &*models;
+    let models = models_by_phase(&mut models, &phases);
     for (phase, shear_rate, pressure, mut viscosity) in fluid.contiguous_iter_mut()? {
         (phase, shear_rate, pressure, viscosity.bypass_change_detection())
             .into_par_iter()

@@ -3,6 +3,7 @@
 use bevy_app::{PluginGroup, PluginGroupBuilder};
 use storegga::app::PaperPlugins;
 use storegga_flow::FlowPlugin;
+use storegga_soils::SoilsPlugin;
 
 /// Everything that the program `storegga` knows: the paper's physics and the plugins shipped beside it.
 #[derive(Debug, Clone, Copy, Default)]
@@ -10,6 +11,6 @@ pub struct StandardPlugins;
 
 impl PluginGroup for StandardPlugins {
     fn build(self) -> PluginGroupBuilder {
-        PluginGroupBuilder::start::<Self>().add_group(PaperPlugins).add(FlowPlugin)
+        PluginGroupBuilder::start::<Self>().add_group(PaperPlugins).add(FlowPlugin).add(SoilsPlugin)
     }
 }

@@ -1,0 +1,5 @@
+//! Soils against their exact flows.
+
+mod granular;
+mod softening;
+mod support;
