@@ -69,7 +69,7 @@ fn stream(dimension: usize) -> String {
         upward = at(0.0, 1.0, 0.0),
         center = at(0.4, 0.3, 0.4),
         up = row(0.0, 0.0),
-        down = row(0.2, 0.05),
+        down = row(0.3, 0.1),
     )
 }
 
@@ -330,11 +330,13 @@ fn an_interrupted_run_leaves_a_checkpoint_of_its_last_step() {
     let mut interrupted = false;
     for _ in 0..20 {
         folder.clear();
-        let mut child = folder.start_and_wait(&arguments);
+        let child = folder.start_and_wait(&arguments);
         let sent = Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap();
         assert!(sent.success());
-        interrupted = child.wait().unwrap().code() == Some(130);
+        let ran = Ran(child.wait_with_output().unwrap());
+        interrupted = ran.code() == Some(130);
         if interrupted {
+            assert!(ran.err().contains("storegga resume runs/stream.checkpoint"), "{}", ran.err());
             break;
         }
     }

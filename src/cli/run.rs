@@ -117,6 +117,9 @@ fn tell(show: &Show<'_>, log: &Path, outcome: &Outcome) {
     if let End::Diverged(report) = &outcome.end {
         complain(&divergence(report, log, outcome));
     }
+    if let (End::Interrupted | End::LogFailed(_), Some(checkpoint)) = (&outcome.end, &outcome.checkpoint) {
+        complain(&format!("The run can go on: storegga resume {}\n", checkpoint.display()));
+    }
     if (show.json || show.quiet) && !outcome.passes() {
         complain(&checks_table(outcome.checks.as_deref().unwrap_or_default()));
     }

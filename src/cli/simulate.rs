@@ -43,6 +43,8 @@ pub(super) struct Outcome {
     pub clock: Clock,
     /// Duration (s) of the loop.
     pub wall: f64,
+    /// The last checkpoint, if there is one.
+    pub checkpoint: Option<PathBuf>,
     /// Steps that it did: all of them, unless the run goes on from a checkpoint.
     pub steps: u64,
     pub threads: usize,
@@ -126,6 +128,7 @@ fn run_in_pool(
         particles,
         clock,
         wall,
+        checkpoint: settings.checkpoints.as_ref().map(|(path, _)| path.clone()),
         steps: clock.step - first.step,
         threads: settings.threads,
         has_expectations: has_expectations(world),
