@@ -449,6 +449,16 @@ fn intervals_that_make_no_sense_are_refused() {
     }
 }
 
+#[test]
+fn checkpoints_follow_the_clock_on_the_wall_too() {
+    let folder = Folder::new("wall", &stream(2));
+    let child = folder.start_and_wait(&["run", "stream.ron", "--checkpoint-every-wall", "0.002", "--quiet"]);
+    Ran(child.wait_with_output().unwrap()).is_done();
+    let ran = folder.run(&RESUME);
+    ran.is_done();
+    assert!(ran.err().contains("from t = 0.1 s"), "{}", ran.err());
+}
+
 /// Runs so many steps.
 fn advance(world: &mut World, steps: u64) {
     let last = world.resource::<Clock>().step + steps;
