@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::grid::Grid;
 use super::sort::sort_fluid;
-use super::{PairList, PeriodicSides, Rows, add_images};
+use super::{PairList, PeriodicSides, Rows, add_images, clear_with_room};
 use crate::app::StoreggaApp;
 use crate::checkpoint::{SavedState, decode, encode};
 use crate::kernels::SmoothingKernel;
@@ -195,7 +195,7 @@ fn build_lists(
     let tables: [&[Position]; 3] = [columns(&fluid), columns(&walls), columns(&structures)];
     let [fluid, walls, structures] = tables.map(<[Position]>::len);
     (n.rows.fluid, n.rows.walls, n.rows.structures) = (fluid, walls, structures);
-    n.positions.clear();
+    clear_with_room(&mut n.positions);
     n.positions.extend(tables.iter().flat_map(|table| table.iter().map(|x| x.0)));
     n.build(&sides);
     n.travelled = 0.0;

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::list::resize_with_room;
+use super::list::{clear_with_room, resize_with_room};
 
 /// One row in the order of the cells.
 #[derive(Debug, Clone, Copy)]
@@ -67,7 +67,7 @@ impl Grid {
 
     /// Sorts rows into cells (a counting sort: rows of one cell keep their order).
     pub fn sort(&mut self, positions: &[DVec3], is_fluid: impl Fn(usize) -> bool) {
-        self.cell_of_row.clear();
+        clear_with_room(&mut self.cell_of_row);
         self.cell_of_row.reserve(positions.len());
         let cells = self.cells.iter().product::<usize>();
         self.first.clear();

@@ -7,6 +7,8 @@
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 
+use super::clear_with_room;
+
 /// A periodic image: row `source`, moved by `shift`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Image {
@@ -80,7 +82,7 @@ impl PeriodicSides {
 /// Appends to `positions` an image of every row nearer than `reach` (m) to a periodic side, and to `images` where it
 /// comes from. Axis by axis, so that edges and corners get the images of images.
 pub(super) fn add_images(sides: &PeriodicSides, reach: f64, positions: &mut Vec<DVec3>, images: &mut Vec<Image>) {
-    images.clear();
+    clear_with_room(images);
     let owned = positions.len();
     for (axis, sides) in sides.0.iter().enumerate() {
         let Some((from, to)) = *sides else { continue };

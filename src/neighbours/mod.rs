@@ -13,7 +13,7 @@ pub use list::{Pair, PairList, Pairs, sum_pairs};
 use glam::DVec3;
 use images::add_images;
 
-pub(crate) use list::Wanted;
+pub(crate) use list::{Wanted, clear_with_room};
 
 /// How the rows of all tables follow one another in the numbering that neighbour lists use: first the fluid, then
 /// walls, structures, and the periodic images of any of them.

@@ -4,7 +4,7 @@ use bevy_ecs::prelude::Resource;
 use rayon::prelude::*;
 
 use super::Vector;
-use crate::neighbours::Rows;
+use crate::neighbours::{Rows, clear_with_room};
 
 /// Particles below which a loop is not split further between threads.
 pub const GRAIN: usize = 256;
@@ -43,7 +43,7 @@ impl<const D: usize, T: Copy + Send + Sync> Gather<D, T> {
         walls: impl Fn(usize) -> Gathered<D, T> + Sync + Send,
         structures: impl Fn(usize) -> Gathered<D, T> + Sync + Send,
     ) -> &[Gathered<D, T>] {
-        self.rows.clear();
+        clear_with_room(&mut self.rows);
         self.rows.par_extend((0..rows.fluid).into_par_iter().with_min_len(GRAIN).with_max_len(PIECE).map(fluid));
         self.rows.par_extend((0..rows.walls).into_par_iter().with_min_len(GRAIN).with_max_len(PIECE).map(walls));
         self.rows
