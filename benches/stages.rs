@@ -97,6 +97,12 @@ fn s9_momentum(bencher: Bencher<'_, '_>) {
     bench_stage(bencher, physics::momentum::<2>);
 }
 
+/// Δt and the watch over divergence.
+#[divan::bench]
+fn t1_time_step(bencher: Bencher<'_, '_>) {
+    bench_stage(bencher, physics::next_time_step);
+}
+
 #[divan::bench(args = SPACINGS, sample_count = 10)]
 fn step(bencher: Bencher<'_, '_>, spacing: &str) {
     let (mut app, particles) = tank(spacing);

@@ -23,7 +23,7 @@ use crate::particles::{
     Acceleration, Density, DensityRate, Fluid, Mass, ParticleColumns, ParticleId, PhaseIndex, Position, Pressure,
     ReferenceDensity, ShearRate, Velocity, Viscosity,
 };
-use crate::physics::{Divergence, DivergenceReport, EquationOfState};
+use crate::physics::{Divergence, DivergenceReport, EquationOfState, MOST_STEPS, settle_least_time_step};
 use crate::probes::{Probe, ProbeRegistry};
 use crate::rheology::{FlowCurve, Rheology, RheologyRegistry, apply_flow_curve};
 use crate::scene::{
@@ -259,7 +259,7 @@ pub enum End {
     /// It reached its end time.
     Done,
     /// It left the range of the model.
-    Diverged(DivergenceReport),
+    Diverged(Box<DivergenceReport>),
     /// It was told to stop.
     Interrupted,
     /// The log could not be written.
@@ -293,6 +293,7 @@ pub fn open<M>(plugins: impl Plugins<M>, document: Document) -> Result<App, User
     let world = app.world_mut();
     failure::install(world);
     load_scene(world, document)?;
+    settle_least_time_step(world);
     let plugin_error = |what: &str| UserError::plain(format!("a plugin does not fit: {what}"));
     failure::build_schedules(world).map_err(|what| plugin_error(&what))?;
     // A step of no duration finds neighbours, ghosts, forces and the first time step.
@@ -303,9 +304,6 @@ pub fn open<M>(plugins: impl Plugins<M>, document: Document) -> Result<App, User
     refuse_endless_run(world)?;
     Ok(app)
 }
-
-/// More steps than this are a mistake in the scene: years on any machine.
-const MOST_STEPS: f64 = 1e11;
 
 /// Refuses a scene whose time step would never come to its end.
 fn refuse_endless_run(world: &World) -> Result<(), UserError> {
@@ -355,7 +353,7 @@ pub fn run(world: &mut World, end_time: f64, stop: &StopFlag, mut watch: impl Fn
         }
         watch(world.resource::<Clock>());
         if let Some(report) = world.resource_mut::<Divergence>().0.take() {
-            return End::Diverged(report);
+            return End::Diverged(Box::new(report));
         }
         if let Err(end) = write_outputs(world) {
             return end;

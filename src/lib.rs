@@ -22,6 +22,7 @@
 //! | 17, 18 force on structures | `boundary/loads.rs` |
 //! | 19 time step | `physics/time_step.rs` |
 //! | 20, 21 error norm | `probes/pressure_error.rs` |
+//! | – when a run has diverged | `physics/divergence/` |
 //!
 //! Equation numbers are those of the paper that the model follows (Dai, Lan, et al.: SPH simulation of the motion of
 //! submarine landslides and their impact on cables), in the corrected form that each file states.
@@ -37,6 +38,7 @@ mod failure;
 pub mod kernels;
 pub mod log;
 pub mod neighbours;
+mod number;
 pub mod outputs;
 pub mod particles;
 pub mod phases;

@@ -118,6 +118,14 @@ fn messages(log: &Path, topic: &str) -> usize {
     stream.map_while(Result::ok).filter(|message| message.channel.topic == topic).count()
 }
 
+/// What the run had to say, as it stands in the log.
+fn log_lines(log: &Path) -> Vec<String> {
+    let bytes = fs::read(log).unwrap();
+    let messages = MessageStream::new(&bytes).unwrap().map(Result::unwrap);
+    let said = messages.filter(|message| message.channel.topic == "/log");
+    said.map(|message| String::from_utf8_lossy(&message.data).into_owned()).collect()
+}
+
 fn is_finished(log: &Path) -> bool {
     matches!(mcap::Summary::read(&fs::read(log).unwrap()), Ok(Some(_)))
 }
@@ -273,6 +281,8 @@ fn a_diverging_run_ends_with_3_and_a_log_that_reads() {
         "particle ",
         "`water`",
         "position (",
+        "viscosity 0.001 Pa s",
+        "neighbours (about 39 in the midst of a fluid)",
         "--set equation_of_state.max_speed=",
         "closed and readable",
     ] {
@@ -280,7 +290,17 @@ fn a_diverging_run_ends_with_3_and_a_log_that_reads() {
     }
     let json = ran.json();
     assert_eq!(json["end"], "diverged");
-    assert!(json["divergence"]["time"].as_f64() > Some(0.0) && json["divergence"]["particle"].is_u64());
+    let told = &json["divergence"];
+    assert!(told["time"].as_f64() > Some(0.0) && told["particle"].is_u64() && told["phase"] == "water");
+    // c = 10 v_max.
+    assert_eq!((&told["limit"]["name"], &told["limit"]["unit"]), (&Value::from("speed"), &Value::from("m/s")));
+    assert!(told["limit"]["value"].as_f64() > Some(9.9) && told["limit"]["limit"].as_f64() > Some(9.9));
+    assert!(told["neighbours"][0]["count"].as_u64() > Some(0) && told["advice"][0]["text"].is_string());
+    assert!(
+        log_lines(&folder.log())
+            .iter()
+            .any(|line| line.contains("neighbours (about 39") && line.contains("What to try"))
+    );
     assert!(is_finished(&folder.log()));
     assert_eq!(messages(&folder.log(), "/particles"), 2, "the start and the state that diverged");
 }
@@ -299,8 +319,15 @@ fn check_tells_the_run_before_it_is_run() {
     let folder = Folder::tank("check");
     let ran = folder.run(&["check", "tank.ron"]);
     assert_eq!(ran.code(), Some(0), "{}", ran.err());
-    let parts =
-        ["200 fluid", "v_max", "Δt by viscosity", "memory", "time_step.sound = 0.25", "QuinticSpline, support 0.036 m"];
+    let parts = [
+        "200 fluid",
+        "v_max",
+        "Δt by viscosity",
+        "memory",
+        "time_step.sound = 0.25",
+        "1/2 < ρ/ρ0 < 2, Δt ≥ ",
+        "QuinticSpline, support 0.036 m",
+    ];
     parts.iter().for_each(|part| assert!(ran.out().contains(part), "{part} is not in\n{}", ran.out()));
     assert!(!folder.0.join("runs").exists());
     let ran = folder.run(&["check", "tank.ron", "--set", "spacing=0.0098"]);

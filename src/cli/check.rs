@@ -21,7 +21,7 @@ use crate::kernels::SmoothingKernel;
 use crate::log::ParticleCounts;
 use crate::outputs::{OutputKind, OutputTimes};
 use crate::phases::phases;
-use crate::physics::EquationOfState;
+use crate::physics::{EquationOfState, GREATEST_COMPRESSION, TimeStepSettings};
 use crate::scene::{FilledFluids, Resolution, SceneFacts, SceneInfo, open_document};
 
 /// Says what a run of a scene would be like.
@@ -56,6 +56,7 @@ fn head(scene: &Path, world: &mut World) -> String {
          kernel            {}, support {} m\n  \
          particles         {} fluid, {} wall, {} structure\n  \
          bulk modulus      {} Pa, from p_max = {} Pa and v_max = {} m/s (Eq. 8)\n  \
+         limits            |v| < c, 1/{} < ρ/ρ0 < {}, Δt ≥ {} s, all values finite: beyond them the run ends as diverged\n  \
          end               {} s; frames every {} s, series every {} s\n",
         scene.display(),
         info.title,
@@ -71,6 +72,9 @@ fn head(scene: &Path, world: &mut World) -> String {
         short(state.bulk_modulus),
         short(state.max_pressure),
         short(state.max_speed),
+        short(GREATEST_COMPRESSION),
+        short(GREATEST_COMPRESSION),
+        short(world.resource::<TimeStepSettings>().least.unwrap_or(0.0)),
         short(end_time(world)),
         short(times.interval(OutputKind::Frames)),
         short(times.interval(OutputKind::Series)),

@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 use super::simulate::Outcome;
 use crate::app::End;
 use crate::expect::Check;
+use crate::physics::DivergenceReport;
 
 /// What came out of a run. Units: m, s, 1/s; checks have that of their measure.
 pub(super) fn object(scene: &Path, log: &Path, outcome: &Outcome) -> Value {
@@ -30,18 +31,33 @@ pub(super) fn object(scene: &Path, log: &Path, outcome: &Outcome) -> Value {
         "checks": outcome.checks.iter().flatten().map(check).collect::<Vec<_>>(),
     });
     if let End::Diverged(report) = &outcome.end {
-        object["divergence"] = json!({
-            "time": report.time,
-            "step": report.step,
-            "particle": report.particle,
-            "position": report.position.to_array(),
-            "velocity": report.velocity.to_array(),
-            "density": report.density,
-            "pressure": report.pressure,
-            "reason": report.reason,
-        });
+        object["divergence"] = divergence(report);
     }
     object
+}
+
+/// Units: s, m, m/s, m/s², kg/m³, Pa, Pa s; distances of neighbours in spacings; the limit has its own.
+fn divergence(report: &DivergenceReport) -> Value {
+    let (value, unit, limit) = report.broken.value_and_limit();
+    json!({
+        "time": report.time,
+        "step": report.step,
+        "time_step": report.time_step,
+        "particle": report.particle,
+        "phase": report.phase,
+        "position": report.position.to_array(),
+        "velocity": report.velocity.to_array(),
+        "acceleration": report.acceleration.to_array(),
+        "density": report.density,
+        "reference_density": report.reference_density,
+        "pressure": report.pressure,
+        "viscosity": report.viscosity,
+        "limit": { "name": report.broken.name(), "value": value, "limit": limit, "unit": unit },
+        "reason": report.broken.to_string(),
+        "neighbours": report.neighbours,
+        "full_neighbourhood": report.full_neighbourhood,
+        "advice": report.advice,
+    })
 }
 
 fn check(check: &Check) -> Value {

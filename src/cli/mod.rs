@@ -9,7 +9,6 @@ mod doctor;
 mod estimate;
 mod exit;
 mod json;
-mod number;
 mod progress;
 mod recover;
 mod resume;
@@ -27,6 +26,7 @@ use std::process::ExitCode;
 use bevy_app::PluginGroup;
 use clap::Parser;
 
+use crate::number;
 use args::{Arguments, Command};
 
 /// The program: reads the command line, does what it says and returns the exit code: 0 done, 1 an expectation failed or a log

@@ -115,7 +115,7 @@ fn tell(show: &Show<'_>, log: &Path, outcome: &Outcome) {
         ));
     }
     if let End::Diverged(report) = &outcome.end {
-        complain(&divergence(report, log, outcome));
+        complain(&divergence(report, log));
     }
     if let (End::Interrupted | End::LogFailed(_), Some(checkpoint)) = (&outcome.end, &outcome.checkpoint) {
         complain(&format!("The run can go on: storegga resume {}\n", checkpoint.display()));

@@ -14,8 +14,6 @@ use crate::clock::Clock;
 use crate::error::UserError;
 use crate::expect::{Check, evaluate, has_expectations};
 use crate::log::{Level, ParticleCounts, close_log, log_message, open_log};
-use crate::phases::phases;
-use crate::physics::{EquationOfState, TimeStepSettings};
 use crate::scene::{Resolution, SceneInfo};
 
 /// How to run.
@@ -52,12 +50,6 @@ pub(super) struct Outcome {
     pub checks: Option<Vec<Check>>,
     /// Whether the scene has any.
     pub has_expectations: bool,
-    /// Names of the phases, by index.
-    pub phases: Vec<String>,
-    /// v_max (m/s) that entered the sound speed.
-    pub max_speed: f64,
-    /// C_s of Eq. 19.
-    pub sound_coefficient: f64,
 }
 
 impl Outcome {
@@ -132,9 +124,6 @@ fn run_in_pool(
         steps: clock.step - first.step,
         threads: settings.threads,
         has_expectations: has_expectations(world),
-        phases: phases(world).into_iter().map(|(phase, _)| phase.name).collect(),
-        max_speed: world.resource::<EquationOfState>().max_speed,
-        sound_coefficient: world.resource::<TimeStepSettings>().sound,
         checks: is_whole.then(|| evaluate(world)),
         end,
     })

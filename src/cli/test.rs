@@ -77,7 +77,7 @@ fn run_one<P: PluginGroup>(
 fn add_rows(table: &mut Table, scene: &Path, outcome: &Outcome) {
     let scene = scene.display().to_string();
     if let End::Diverged(report) = &outcome.end {
-        let what = format!("diverged at t = {} s: particle {}: {}", report.time, report.particle, report.reason);
+        let what = format!("diverged at t = {} s: particle {}: {}", report.time, report.particle, report.broken);
         table.push([scene.clone(), what, String::new(), String::new(), String::new(), verdict(false).to_owned()]);
     }
     for check in outcome.checks.iter().flatten() {

@@ -313,10 +313,7 @@ pub fn close_log(world: &mut World, end: &End) -> Result<(), String> {
     let (level, text) = match end {
         End::Done => (Level::Info, format!("the run ends at t = {time} s")),
         End::Interrupted => (Level::Warning, format!("the run was interrupted at t = {time} s")),
-        End::Diverged(report) => {
-            let text = format!("the run diverged at t = {time} s: particle {}: {}", report.particle, report.reason);
-            (Level::Error, text)
-        }
+        End::Diverged(report) => (Level::Error, report.to_string()),
         End::Failed(what) => (Level::Error, format!("the run failed at t = {time} s: {what}")),
         End::LogFailed(why) => (Level::Error, format!("the log failed at t = {time} s: {why}")),
     };

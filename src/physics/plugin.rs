@@ -1,15 +1,17 @@
 //! Puts the paper's equations in charge of their stages.
 
 use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+use bevy_ecs::schedule::IntoScheduleConfigs;
 
 use super::body_force::{apply_body_force, ramp_gravity};
+use super::divergence::{OutOfRange, explain_divergence};
 use super::equation_of_state::advance_state;
 use super::integration::kick;
-use super::time_step::next_time_step;
 use super::{
     DensityDiffusion, Divergence, Gravity, ImpactPressure, MomentumSettings, Settling, StateSettings, StrainSettings,
     TimeStepSettings, WallImpact, density_diffusion, density_rate, drift, ghost_pressure, ghost_velocity, momentum,
-    pair_kernel, strain_rate, wall_impact,
+    next_time_step, pair_kernel, strain_rate, wall_impact,
 };
 use crate::app::StoreggaApp;
 use crate::schedule::Stage;
@@ -19,9 +21,9 @@ pub struct PhysicsPlugin;
 
 impl Plugin for PhysicsPlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<Divergence>().init_resource::<Gravity>();
+        app.init_resource::<Divergence>().init_resource::<OutOfRange>().init_resource::<Gravity>();
         // A run that has diverged ends: between two steps there is nothing to save.
-        app.register_rebuilt::<Divergence>().register_saved::<Gravity>();
+        app.register_rebuilt::<Divergence>().register_rebuilt::<OutOfRange>().register_saved::<Gravity>();
         app.register_scene_section::<StateSettings>()
             .register_scene_section::<DensityDiffusion>()
             .register_scene_section::<StrainSettings>()
@@ -31,6 +33,8 @@ impl Plugin for PhysicsPlugin {
             .register_scene_section::<TimeStepSettings>();
 
         app.register_particle_column::<ImpactPressure>();
+
+        let time_step = || (next_time_step, explain_divergence.run_if(|out: Res<OutOfRange>| out.0)).chain();
 
         app.add_to_stage(Stage::FirstKick, ramp_gravity)
             .set_stage(Stage::FirstKick, kick, kick)
@@ -46,6 +50,6 @@ impl Plugin for PhysicsPlugin {
             .set_stage(Stage::Momentum, momentum::<2>, momentum::<3>)
             .set_stage(Stage::BodyForce, apply_body_force, apply_body_force)
             .set_stage(Stage::SecondKick, kick, kick)
-            .set_stage(Stage::TimeStep, next_time_step, next_time_step);
+            .set_stage(Stage::TimeStep, time_step(), time_step());
     }
 }

@@ -1,19 +1,19 @@
 //! The next time step, Eq. 19, and the watch over divergence.
 //!
 //! `Δt = min( C_s h/(c + |v|_max), C_ν h²/max(μ_i/ρ_i), C_a min √(h/|a_i|) )`, with 0.25, 0.125 and 0.25. (The paper
-//! prints 1.25 for the first, which is unstable.)
+//! prints 1.25 for the first, which is unstable.) What the watch is for stands in [`divergence`](super::divergence).
 
 use bevy_ecs::prelude::*;
-use glam::DVec3;
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::EquationOfState;
+use super::divergence::{GREATEST_COMPRESSION, OutOfRange};
 use crate::clock::{Clock, Limit};
 use crate::particles::{
-    Acceleration, Density, Fluid, GRAIN, PIECE, ParticleId, PhaseIndex, Position, Pressure, ReferenceDensity, Solid,
-    Velocity, Viscosity, Wall, WallVelocity,
+    Acceleration, Density, Fluid, GRAIN, PIECE, Position, ReferenceDensity, Solid, Velocity, Viscosity, Wall,
+    WallVelocity,
 };
 use crate::scene::{Invalid, Resolution, SceneSection, SectionError};
 
@@ -30,11 +30,15 @@ pub struct TimeStepSettings {
     /// C_a of the acceleration limit (dimensionless).
     #[schemars(range(max = 2.0), extend("unit" = "1", "exclusiveMinimum" = 0.0))]
     pub acceleration: f64,
+    /// A run whose stable time step falls below this has diverged; `None` for a hundredth of the least that sound and
+    /// viscosity can ask for, or the end time over 10¹¹ if that is longer.
+    #[schemars(range(min = 0.0), extend("unit" = "s", "derived" = "follows: a hundredth of the least that sound and viscosity can ask for, or the end time over 10¹¹ if that is longer"))]
+    pub least: Option<f64>,
 }
 
 impl Default for TimeStepSettings {
     fn default() -> Self {
-        Self { sound: 0.25, viscosity: 0.125, acceleration: 0.25 }
+        Self { sound: 0.25, viscosity: 0.125, acceleration: 0.25, least: None }
     }
 }
 
@@ -47,9 +51,12 @@ impl SceneSection for TimeStepSettings {
 
     fn check(&self, _: &World) -> Result<(), Invalid> {
         let named = [("sound", self.sound), ("viscosity", self.viscosity), ("acceleration", self.acceleration)];
-        match named.into_iter().find(|(_, value)| *value <= 0.0 || *value > 2.0) {
-            Some((name, value)) => Err(Invalid::new(name, format!("must lie between 0 and 2, got {value}"))),
-            None => Ok(()),
+        if let Some((name, value)) = named.into_iter().find(|(_, value)| *value <= 0.0 || *value > 2.0) {
+            return Err(Invalid::new(name, format!("must lie between 0 and 2, got {value}")));
+        }
+        match self.least {
+            Some(least) if least < 0.0 => Err(Invalid::new("least", format!("must not be negative, got {least} s"))),
+            _ => Ok(()),
         }
     }
 
@@ -81,36 +88,6 @@ impl TimeStepSettings {
     }
 }
 
-/// A density below half or above twice ρ0, or a speed above that of sound, is no longer a weakly compressible fluid.
-pub(crate) const GREATEST_COMPRESSION: f64 = 2.0;
-
-/// The particle at which a run left the model's range.
-#[derive(Debug, Clone, PartialEq)]
-pub struct DivergenceReport {
-    /// Time (s).
-    pub time: f64,
-    /// Step.
-    pub step: u64,
-    /// Particle.
-    pub particle: u32,
-    /// Index of its phase.
-    pub phase: u32,
-    /// Position (m).
-    pub position: DVec3,
-    /// Velocity (m/s).
-    pub velocity: DVec3,
-    /// Density (kg/m³).
-    pub density: f64,
-    /// Pressure (Pa).
-    pub pressure: f64,
-    /// Which bound was broken.
-    pub reason: String,
-}
-
-/// Set when a run has diverged.
-#[derive(Resource, Debug, Clone, Default)]
-pub struct Divergence(pub Option<DivergenceReport>);
-
 /// Greatest values over the fluid.
 #[derive(Clone, Copy)]
 struct Extremes {
@@ -134,29 +111,26 @@ impl Extremes {
     }
 }
 
-/// Finds the next stable Δt and stops a run that has left the model's range.
-pub(super) fn next_time_step(
+/// Finds the next stable Δt, and whether the run has left the model's range.
+pub fn next_time_step(
     settings: Res<TimeStepSettings>,
     resolution: Res<Resolution>,
     state: Res<EquationOfState>,
     mut clock: ResMut<Clock>,
-    mut divergence: ResMut<Divergence>,
-    fluid: Query<(&Velocity, &Acceleration, &Density, &ReferenceDensity, &Viscosity), With<Fluid>>,
+    mut out_of_range: ResMut<OutOfRange>,
+    fluid: Query<(&Position, &Velocity, &Acceleration, &Density, &ReferenceDensity, &Viscosity), With<Fluid>>,
     ghosts: Query<&WallVelocity, Or<(With<Wall>, With<Solid>)>>,
-    suspects: Query<
-        (&ParticleId, &PhaseIndex, &Position, &Velocity, &Acceleration, &Density, &ReferenceDensity, &Pressure),
-        With<Fluid>,
-    >,
 ) -> Result {
     let mut extremes = Extremes::NONE;
     let mut least_reference_density = f64::INFINITY;
-    for (v, a, rho, rho0, mu) in fluid.contiguous_iter()? {
-        let each = (v, a, rho, rho0, mu).into_par_iter().with_min_len(GRAIN).with_max_len(PIECE).map(
-            |(v, a, rho, rho0, mu)| {
+    for (x, v, a, rho, rho0, mu) in fluid.contiguous_iter()? {
+        let each = (x, v, a, rho, rho0, mu).into_par_iter().with_min_len(GRAIN).with_max_len(PIECE).map(
+            |(x, v, a, rho, rho0, mu)| {
                 let speed_squared = v.0.length_squared();
                 let acceleration_squared = a.0.length_squared();
                 let within_range = speed_squared * rho0.0 < state.bulk_modulus
                     && acceleration_squared.is_finite()
+                    && x.0.is_finite()
                     && rho.0 * GREATEST_COMPRESSION > rho0.0
                     && rho.0 < rho0.0 * GREATEST_COMPRESSION;
                 let each =
@@ -180,47 +154,7 @@ pub(super) fn next_time_step(
         extremes.kinematic_viscosity,
         clock.greatest_acceleration,
     );
-    if !extremes.within_range {
-        divergence.0 =
-            suspects.iter().filter_map(|particle| report(&clock, &state, particle)).min_by_key(|r| r.particle);
-    }
+    let is_long_enough = settings.least.is_none_or(|least| clock.stable_time_step >= least);
+    out_of_range.0 = !(extremes.within_range && is_long_enough);
     Ok(())
-}
-
-type Suspect<'a> = (
-    &'a ParticleId,
-    &'a PhaseIndex,
-    &'a Position,
-    &'a Velocity,
-    &'a Acceleration,
-    &'a Density,
-    &'a ReferenceDensity,
-    &'a Pressure,
-);
-
-/// Says what is wrong with a particle, if anything is.
-fn report(clock: &Clock, state: &EquationOfState, particle: Suspect<'_>) -> Option<DivergenceReport> {
-    let (id, phase, x, v, a, rho, rho0, p) = particle;
-    let c = state.sound_speed(rho0.0);
-    let speed = v.0.length();
-    let reason = if !(x.0.is_finite() && v.0.is_finite() && a.0.is_finite() && rho.0.is_finite()) {
-        "a value is no longer a number".to_owned()
-    } else if speed >= c {
-        format!("its speed {speed:.4} m/s exceeds the sound speed {c:.4} m/s")
-    } else if rho.0 * GREATEST_COMPRESSION <= rho0.0 || rho.0 >= rho0.0 * GREATEST_COMPRESSION {
-        format!("its density {:.4} kg/m³ is too far from the reference density {} kg/m³", rho.0, rho0.0)
-    } else {
-        return None;
-    };
-    Some(DivergenceReport {
-        time: clock.time,
-        step: clock.step,
-        particle: id.0,
-        phase: phase.0,
-        position: x.0,
-        velocity: v.0,
-        density: rho.0,
-        pressure: p.0,
-        reason,
-    })
 }

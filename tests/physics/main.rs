@@ -5,6 +5,7 @@ mod channel;
 mod conservation;
 mod determinism;
 mod diffusion;
+mod divergence;
 mod ghosts;
 mod kernels;
 mod linear_fields;

@@ -24,7 +24,7 @@ fn the_least_of_three_limits_binds() {
 
 #[test]
 fn coefficients_can_be_set() {
-    let settings = TimeStepSettings { sound: 0.4, viscosity: 0.2, acceleration: 0.1 };
+    let settings = TimeStepSettings { sound: 0.4, viscosity: 0.2, acceleration: 0.1, least: None };
     for (nu, a, exact) in [(0.0, 0.0, 0.4 * 0.1 / 20.0), (4.0, 0.0, 0.2 * 0.01 / 4.0), (0.0, 1e5, 0.1 * 1e-3)] {
         let (dt, _) = settings.stable_step(0.1, 20.0, nu, a);
         assert!((dt - exact).abs() < 1e-12 * exact, "{dt} s, by hand {exact} s");

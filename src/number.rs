@@ -1,7 +1,7 @@
 //! Numbers for people.
 
 /// A number with four significant digits, in the notation that is easier to read.
-pub(super) fn short(value: f64) -> String {
+pub(crate) fn short(value: f64) -> String {
     let size = value.abs();
     if value == 0.0 || !value.is_finite() {
         return value.to_string();
@@ -21,7 +21,7 @@ fn trimmed(text: &str) -> String {
 }
 
 /// A count with thin groups of three digits: `12 345`.
-pub(super) fn count(value: u64) -> String {
+pub(crate) fn count(value: u64) -> String {
     let digits = value.to_string();
     let mut grouped = String::with_capacity(digits.len() + digits.len() / 3);
     for (place, digit) in digits.chars().enumerate() {
@@ -34,7 +34,7 @@ pub(super) fn count(value: u64) -> String {
 }
 
 /// A duration (s): `8.5 s`, `4 min 05 s`, `3 h 20 min`.
-pub(super) fn duration(seconds: f64) -> String {
+pub(crate) fn duration(seconds: f64) -> String {
     if !seconds.is_finite() {
         return "unknown".to_owned();
     }
@@ -49,7 +49,7 @@ pub(super) fn duration(seconds: f64) -> String {
 }
 
 /// A number of bytes: `12.3 MB`.
-pub(super) fn bytes(bytes: f64) -> String {
+pub(crate) fn bytes(bytes: f64) -> String {
     let (scaled, unit) = [(1e9, "GB"), (1e6, "MB"), (1e3, "kB")]
         .into_iter()
         .find(|(size, _)| bytes >= *size)
