@@ -198,6 +198,7 @@ impl PluginGroup for PaperPlugins {
             .add(crate::boundary::BoundaryPlugin)
             .add(FluidsPlugin)
             .add(crate::probes::ProbesPlugin)
+            .add(crate::books::BooksPlugin)
             .add(crate::expect::ExpectPlugin)
             .add(crate::log::LogPlugin)
     }

@@ -22,12 +22,14 @@
 //! | 17, 18 force on structures | `boundary/loads.rs` |
 //! | 19 time step | `physics/time_step.rs` |
 //! | 20, 21 error norm | `probes/pressure_error.rs` |
+//! | – books of energy, momentum, mass | `books/` |
 //! | – when a run has diverged | `physics/divergence/` |
 //!
 //! Equation numbers are those of the paper that the model follows (Dai, Lan, et al.: SPH simulation of the motion of
 //! submarine landslides and their impact on cables), in the corrected form that each file states.
 
 pub mod app;
+pub mod books;
 pub mod boundary;
 pub mod checkpoint;
 pub mod cli;

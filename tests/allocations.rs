@@ -79,6 +79,8 @@ fn a_warm_step_allocates_nothing() {
     assert_eq!(allocations_when_warm(SCENE), 0, "in 200 steps");
     // Now and then there are more pairs or images than ever before: memory has room for them.
     assert_eq!(allocations_when_warm(STREAM), 0, "in 200 steps");
+    let books = "probes: { \"books\": Books() }, phases:";
+    assert_eq!(allocations_when_warm(&STREAM.replace("phases:", books)), 0, "in 200 steps with books");
 }
 
 /// Allocations in 200 steps after 400.

@@ -107,6 +107,15 @@ impl EquationOfState {
         1.0 + (pressure - self.background_pressure) / self.bulk_modulus
     }
 
+    /// Energy of compression `e = ∫ p dρ/ρ²` per mass (J/kg) at density `rho` of a phase with reference density `rho0`
+    /// (kg/m³), from ρ0 on: `(B/ρ0) (ln β + 1/β − 1) + (χ/ρ0) (1 − 1/β)`.
+    #[must_use]
+    pub fn compression_energy(&self, rho: f64, rho0: f64) -> f64 {
+        let strain = rho / rho0 - 1.0;
+        let linear = strain / (1.0 + strain);
+        (self.bulk_modulus * (strain.ln_1p() - linear) + self.background_pressure * linear) / rho0
+    }
+
     /// c = √(B/ρ0) (m/s).
     #[inline(always)]
     #[must_use]

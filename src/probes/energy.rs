@@ -6,6 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{Probe, SeriesField, State};
+use crate::physics::EquationOfState;
 
 /// Energies (J; J/m in 2D) of the fluid:
 ///
@@ -48,12 +49,13 @@ impl Probe for Energy {
             None => state.gravity.now[axis],
         }));
         let (mut kinetic, mut potential, mut compression, mut mass) = (0.0, 0.0, 0.0, 0.0);
+        let above_chi = EquationOfState { background_pressure: 0.0, ..*state.equation_of_state };
         let mut momentum = DVec3::ZERO;
         for i in fluid.rows() {
             let (m, v, rho0) = (fluid.mass[i].0, fluid.velocity[i].0, fluid.reference_density[i].0);
             kinetic += 0.5 * m * v.length_squared();
             potential -= m * g.dot(fluid.position[i].0);
-            compression += m * compression_energy(fluid.density[i].0, rho0, state.equation_of_state.bulk_modulus);
+            compression += m * above_chi.compression_energy(fluid.density[i].0, rho0);
             mass += m;
             momentum += m * v;
         }
@@ -62,29 +64,22 @@ impl Probe for Energy {
     }
 }
 
-/// Energy of compression per mass (J/kg) at density ρ, for a reference density ρ0 (kg/m³) and a bulk modulus B (Pa).
-fn compression_energy(rho: f64, rho0: f64, bulk_modulus: f64) -> f64 {
-    let strain = rho / rho0 - 1.0;
-    bulk_modulus / rho0 * (strain.ln_1p() - strain / (1.0 + strain))
-}
-
 #[cfg(test)]
 mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::physics::EquationOfState;
     use crate::probes::test_support::{TANK, opened, scene};
 
     #[test]
     fn compression_energy_is_the_work_of_the_pressure() {
-        let state = EquationOfState { bulk_modulus: 6e5, background_pressure: 0.0, max_pressure: 0.0, max_speed: 0.0 };
-        for rho in [990.0, 1010.0, 1100.0] {
+        for (background_pressure, rho) in [(0.0, 990.0), (0.0, 1010.0), (0.0, 1100.0), (5e3, 990.0), (5e3, 1010.0)] {
+            let state = EquationOfState { bulk_modulus: 6e5, background_pressure, max_pressure: 0.0, max_speed: 0.0 };
             let count = 10_000;
             let step = (rho - 1000.0) / f64::from(count);
             let middle = |k: i32| 1000.0 + (f64::from(k) + 0.5) * step;
             let work: f64 = (0..count).map(|k| state.pressure(middle(k), 1000.0) / middle(k).powi(2) * step).sum();
-            let energy = compression_energy(rho, 1000.0, 6e5);
+            let energy = state.compression_energy(rho, 1000.0);
             assert!((energy / work - 1.0).abs() < 1e-6, "{energy} {work}");
         }
     }

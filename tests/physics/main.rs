@@ -1,6 +1,7 @@
 //! The equations against exact answers, conservation laws and brute force.
 
 mod accelerated_walls;
+mod books;
 mod channel;
 mod conservation;
 mod determinism;

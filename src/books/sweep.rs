@@ -1,0 +1,181 @@
+//! The pair forces of a step, told apart: what [`momentum`](crate::physics::momentum) adds up, and `N_ij` and `G_ib`.
+
+use bevy_ecs::prelude::*;
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::sums::{BLOCK, BodySums, Kind, PairForces, Worksheet, sum};
+use crate::neighbours::{Neighbours, sum_pairs};
+use crate::particles::{
+    Density, Fluid, Gather, Gathered, GhostVelocity, Mass, Position, Pressure, Slip, Solid, Vector, Velocity,
+    Viscosity, Volume, Wall, WallVelocity, columns,
+};
+use crate::physics::{
+    ImpactPressure, Momentum, MomentumSettings, PairTerms, PairViscosity, PressureAverage, ViscousForce, with_forms,
+};
+
+/// What the books need of a particle.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Account<const D: usize> {
+    momentum: Momentum<D>,
+    /// v_w of a ghost.
+    wall_velocity: Vector<D>,
+    is_structure: bool,
+}
+
+type FluidState = (
+    &'static Position,
+    &'static Velocity,
+    &'static Mass,
+    &'static Density,
+    &'static Pressure,
+    &'static Viscosity,
+    &'static ImpactPressure,
+);
+type FluidColumns<'a> =
+    (&'a [Position], &'a [Velocity], &'a [Mass], &'a [Density], &'a [Pressure], &'a [Viscosity], &'a [ImpactPressure]);
+type Ghosts = (
+    &'static Position,
+    &'static GhostVelocity,
+    &'static WallVelocity,
+    &'static Volume,
+    &'static Density,
+    &'static Pressure,
+    &'static Slip,
+);
+type GhostColumns<'a> =
+    (&'a [Position], &'a [GhostVelocity], &'a [WallVelocity], &'a [Volume], &'a [Density], &'a [Pressure], &'a [Slip]);
+
+/// The records of walls or of structures.
+fn ghosts<'a, const D: usize>(
+    is_structure: bool,
+    (x, v, v_w, volume, rho, p, slip): GhostColumns<'a>,
+) -> impl Fn(usize) -> Gathered<D, Account<D>> + Sync + Send + use<'a, D> {
+    move |b: usize| {
+        let momentum = Momentum {
+            velocity: v[b].0.into(),
+            volume: volume[b].0,
+            density: rho[b].0,
+            pressure: p[b].0,
+            viscosity: PairViscosity::ghost(slip[b]),
+        };
+        let state = Account { momentum, wall_velocity: v_w[b].0.into(), is_structure };
+        Gathered { position: x[b].0.into(), state }
+    }
+}
+
+/// Adds up the pair forces on every fluid particle, kind by kind.
+pub(super) fn pair_forces<const D: usize>(
+    settings: Res<MomentumSettings>,
+    neighbours: Res<Neighbours>,
+    mut gather: Local<Gather<D, Account<D>>>,
+    mut sheet: ResMut<Worksheet>,
+    fluid: Query<FluidState, With<Fluid>>,
+    walls: Query<Ghosts, With<Wall>>,
+    structures: Query<Ghosts, With<Solid>>,
+) {
+    let (walls, structures) = (ghosts(false, columns(&walls)), ghosts(true, columns(&structures)));
+    let (x, v, m, rho, p, mu, impact): FluidColumns<'_> = columns(&fluid);
+    let own = |i: usize| {
+        let momentum = Momentum {
+            velocity: v[i].0.into(),
+            volume: m[i].0 / rho[i].0,
+            density: rho[i].0,
+            pressure: p[i].0,
+            viscosity: PairViscosity::fluid(mu[i].0),
+        };
+        let state = Account { momentum, wall_velocity: Vector::ZERO, is_structure: false };
+        Gathered { position: x[i].0.into(), state }
+    };
+    let records = gather.fill(&neighbours.rows, own, walls, structures);
+    let sheet = &mut *sheet;
+    sheet.forces.resize(x.len(), PairForces::default());
+    sheet.body_blocks.resize(x.len().div_ceil(BLOCK), BodySums::default());
+    let out = (&mut sheet.forces[..], &mut sheet.body_blocks[..]);
+    with_forms!(settings, tell_apart::<D>(&neighbours, records, impact, out));
+    sheet.bodies = sum(sheet.body_blocks.iter().copied());
+}
+
+fn tell_apart<const D: usize, P: PressureAverage, V: ViscousForce>(
+    neighbours: &Neighbours,
+    records: &[Gathered<D, Account<D>>],
+    impact: &[ImpactPressure],
+    (forces, blocks): (&mut [PairForces], &mut [BodySums]),
+) {
+    forces.par_chunks_mut(BLOCK).zip(blocks).enumerate().for_each(|(b, (forces, bodies))| {
+        *bodies = BodySums::default();
+        for (k, out) in forces.iter_mut().enumerate() {
+            let row = b * BLOCK + k;
+            let (own, impact) = (&records[row], impact[row].0);
+            let i = &own.state.momentum;
+            let mut sums = ForceSums::<D>::default();
+            sum_pairs(own, neighbours.fluid.of(row), records, |other, pair| {
+                let j = &other.momentum;
+                let mu_ij = j.viscosity.mean_with(i.viscosity.own());
+                let (pressure, viscous) = PairTerms::of::<D, P, V>(mu_ij, 0.0, i, j, pair);
+                let compression_of_i = i.pressure * i.volume * j.volume;
+                sums.viscous += viscous;
+                if !j.viscosity.is_ghost() {
+                    let compression = compression_of_i + j.pressure * i.volume * j.volume;
+                    sums.all += pressure + viscous;
+                    sums.volumes += pressure + pair.grad_w() * compression;
+                    return;
+                }
+                let impact = pair.grad_w() * -(impact * (i.volume * i.volume + j.volume * j.volume));
+                let ghost = pressure + pair.grad_w() * compression_of_i;
+                let force = pressure + viscous + impact;
+                sums.all += force;
+                sums.impact += impact;
+                sums.ghosts += ghost;
+                bodies.add(force, (viscous, impact, ghost), other);
+            });
+            *out = sums.into();
+        }
+    });
+}
+
+/// [`PairForces`] while they are added up.
+struct ForceSums<const D: usize> {
+    all: Vector<D>,
+    viscous: Vector<D>,
+    impact: Vector<D>,
+    ghosts: Vector<D>,
+    volumes: Vector<D>,
+}
+
+impl<const D: usize> Default for ForceSums<D> {
+    fn default() -> Self {
+        let zero = Vector::ZERO;
+        Self { all: zero, viscous: zero, impact: zero, ghosts: zero, volumes: zero }
+    }
+}
+
+impl<const D: usize> From<ForceSums<D>> for PairForces {
+    fn from(sums: ForceSums<D>) -> Self {
+        Self {
+            all: sums.all.into(),
+            viscous: sums.viscous.into(),
+            impact: sums.impact.into(),
+            ghosts: sums.ghosts.into(),
+            volumes: sums.volumes.into(),
+        }
+    }
+}
+
+impl BodySums {
+    /// Adds the force of one ghost on a fluid particle, and its viscous part, its impact, and what the ghost takes up.
+    fn add<const D: usize>(
+        &mut self,
+        force: Vector<D>,
+        (viscous, impact, ghost): (Vector<D>, Vector<D>, Vector<D>),
+        body: &Account<D>,
+    ) {
+        let v_w = body.wall_velocity;
+        self.power += force.dot(v_w);
+        self.of_kind[Kind::Viscous as usize] += viscous.dot(v_w);
+        self.of_kind[Kind::Impact as usize] += impact.dot(v_w);
+        self.of_kind[Kind::Ghosts as usize] += ghost.dot(v_w);
+        let sum = if body.is_structure { &mut self.structures } else { &mut self.walls };
+        *sum += DVec3::from(force);
+    }
+}
