@@ -32,7 +32,8 @@ fn by_bisection(stress: impl Fn(f64) -> f64) -> impl Fn(f64) -> f64 {
     }
 }
 
-/// Relative L2 error that twenty particles across may leave: of thinning fluids, whose shear rate changes most at the wall, 4 %.
+/// Relative L2 error that twenty particles across may leave. Thinning fluids, whose shear rate changes most at the wall, leave
+/// 4 %; with forty particles across the power law leaves 2 %.
 const TOLERANCE: f64 = 0.05;
 
 /// Runs a fluid from a profile a tenth too slow, until hardly anything of that is left.
