@@ -18,8 +18,9 @@ use storegga::clock::Clock;
 use storegga::scene::open_document;
 use storegga_standard::StandardPlugins;
 
-/// Whatever is shipped, at once: two liquids, one of them with a yield stress, that a force drives over a floor that moves, past a body that goes up and down,
-/// round through the sides and through a relaxation zone, while the ground shakes; lists are rebuilt and particles re-sorted often, and every probe that fits measures.
+/// Whatever is shipped, at once: three liquids, two of them soils, that a force drives over a floor that moves, past a body that
+/// goes up and down, round through the sides and through a relaxation zone, while the ground shakes; lists are rebuilt and
+/// particles re-sorted often, and probes measure.
 fn stream(dimension: usize) -> String {
     let (spacing, z) = if dimension == 2 { (0.05, "") } else { (0.1, ", z: (0.0, 0.8)") };
     let at = |x: f64, y: f64, z: f64| {
@@ -27,7 +28,8 @@ fn stream(dimension: usize) -> String {
     };
     let block = |(x0, y0, z0), (x1, y1, z1)| format!("Box(min: {}, max: {})", at(x0, y0, z0), at(x1, y1, z1));
     let (round, axis) = if dimension == 2 { ("Circle", "") } else { ("Sphere", "axis: (0.0, 0.0, 1.0),") };
-    let (mud, water) = (block((0.0, 0.0, 0.0), (0.8, 0.3, 0.8)), block((0.0, 0.3, 0.0), (0.8, 0.6, 0.8)));
+    let (mud, sand) = (block((0.0, 0.0, 0.0), (0.4, 0.3, 0.8)), block((0.4, 0.0, 0.0), (0.8, 0.3, 0.8)));
+    let water = block((0.0, 0.3, 0.0), (0.8, 0.6, 0.8));
     let (floor, open) = (block((-1.0, 0.0, -1.0), (2.0, 2.0, 2.0)), block((-3.0, 0.0, -3.0), (3.0, 3.0, 3.0)));
     let row = |time: f64, up: f64| format!("(time: {time:?}, displacement: {})", at(0.0, up, 0.0));
     format!(
@@ -35,12 +37,16 @@ fn stream(dimension: usize) -> String {
     dimension: {dimension}, spacing: {spacing:?}, gravity: {gravity}, end_time: 0.1,
     periodic: (x: (0.0, 0.8){z}), neighbours: (skin: 0.02, sort_every: 2), equation_of_state: (max_speed: 3.0),
     phases: {{
-        "mud": (reference_density: 1500.0, rheology: HerschelBulkley(
-            consistency: 3.0, exponent: 0.7, yield_stress: 50.0, max_viscosity: 50.0)),
+        "mud": (reference_density: 1500.0, rheology: StrainSoftening(
+            consistency: 3.0, exponent: 0.7, peak_yield_stress: 50.0, sensitivity: 4.0, strain_95: 0.2, max_viscosity: 50.0)),
+        "sand": (reference_density: 1800.0, rheology: MuI(
+            static_friction: 0.4, limiting_friction: 0.7, inertial_number: 0.3, grain_diameter: 0.001,
+            grain_density: 2600.0, pore_pressure: Dry, pressure_floor: 1.0, max_viscosity: 50.0)),
         "water": (reference_density: 1000.0, rheology: Newtonian(viscosity: 0.001)),
     }},
     fluids: [
         (phase: "mud", shape: {mud}, pressure: Uniform(0.0)),
+        (phase: "sand", shape: {sand}, pressure: Uniform(0.0)),
         (phase: "water", shape: {water}, velocity: {velocity}, pressure: Uniform(0.0)),
     ],
     walls: {{ "floor": (shape: {floor}, cut: {open}, motion: Translation(velocity: {backwards})) }},
@@ -355,6 +361,16 @@ fn killed(name: &str) -> Folder {
     folder
 }
 
+#[test]
+fn a_run_that_goes_on_is_not_resumed() {
+    let folder = Folder::new("goes-on", &stream(2));
+    let mut child = folder.start_and_wait(&[&RUN[..], &["--set", "end_time=1000.0"]].concat());
+    folder.run(&RESUME).is_refused_with(&["cannot go on with the log runs/stream.mcap: another run is writing it"]);
+    assert_eq!(child.try_wait().unwrap(), None, "the run was disturbed");
+    let _ = child.kill();
+    child.wait().unwrap();
+}
+
 /// Calls `change` with the bytes of a file and writes what it returns.
 fn rewrite(path: &Path, change: impl Fn(Vec<u8>) -> Vec<u8>) {
     fs::write(path, change(fs::read(path).unwrap())).unwrap();
@@ -389,7 +405,7 @@ fn what_cannot_go_on_as_before_is_refused_with_the_reason() {
 
     let scene = fs::read_to_string(folder.path("stream.ron")).unwrap();
     fs::write(folder.path("stream.ron"), scene.replace("viscosity: 0.001", "viscosity: 0.002")).unwrap();
-    refused(&["its line 7 was", "viscosity: 0.001", "viscosity: 0.002"]);
+    refused(&["its line 10 was", "viscosity: 0.001", "viscosity: 0.002"]);
     fs::write(folder.path("stream.ron"), &scene).unwrap();
 
     let measured = folder.path("measured.csv");

@@ -1,6 +1,6 @@
 //! Continuing the log of a run that was stopped.
 
-use std::fs;
+use std::fs::{self, File, TryLockError};
 use std::path::Path;
 
 use bevy_ecs::prelude::*;
@@ -46,6 +46,11 @@ pub(crate) fn reopen_log(world: &mut World, path: &Path, mark: LogMark) -> Resul
 }
 
 fn continue_log(world: &mut World, path: &Path, part: &Path, mark: LogMark) -> Result<(), LogError> {
+    let old = File::open(path).map_err(|error| LogError::new(path, "read", error))?;
+    // Held until the new one has its place: a run that is still on its way must not lose its log.
+    if matches!(old.try_lock(), Err(TryLockError::WouldBlock)) {
+        return Err(LogError::new(path, "go on with", "another run is writing it: was the run not stopped?"));
+    }
     let mut writer = LogWriter::create(part)?;
     let copied = copy_log(path, &mut writer, Some(mark.messages))?;
     let found = copied.messages();
