@@ -83,6 +83,11 @@ fn s6_diffusion(bencher: Bencher<'_, '_>) {
 }
 
 #[divan::bench]
+fn s6_free_surface(bencher: Bencher<'_, '_>) {
+    bench_stage(bencher, physics::free_surface::<2>);
+}
+
+#[divan::bench]
 fn s7_ghost_pressure(bencher: Bencher<'_, '_>) {
     bench_stage(bencher, physics::ghost_pressure);
 }

@@ -43,6 +43,8 @@ pub enum Stage {
     Diffusion,
     /// ρ ← ρ + Δt dρ/dt and p(ρ), Eq. 7.
     State,
+    /// Density and pressure of what the free surface has let go.
+    FreeSurface,
     /// Pressure and volume of the ghosts, Eq. 15.
     GhostPressure,
     /// Pressure with which walls stop fluid that comes too near.
@@ -118,7 +120,7 @@ pub(crate) fn init(app: &mut App) {
             S::Rheology,
         )
             .chain(),
-        (S::Continuity, S::Diffusion, S::State, S::GhostPressure, S::WallImpact).chain(),
+        (S::Continuity, S::Diffusion, S::State, S::FreeSurface, S::GhostPressure, S::WallImpact).chain(),
         (S::Momentum, S::BodyForce, S::Loads, S::SecondKick, S::TimeStep).chain(),
     );
     let mut step = Schedule::new(Step);

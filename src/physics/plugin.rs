@@ -9,9 +9,9 @@ use super::divergence::{OutOfRange, explain_divergence};
 use super::equation_of_state::advance_state;
 use super::integration::kick;
 use super::{
-    DensityDiffusion, Divergence, Gravity, ImpactPressure, MomentumSettings, Settling, StateSettings, StrainSettings,
-    TimeStepSettings, WallImpact, density_diffusion, density_rate, drift, ghost_pressure, ghost_velocity, momentum,
-    next_time_step, pair_kernel, strain_rate, wall_impact,
+    DensityDiffusion, Divergence, FreeSurface, Gravity, ImpactPressure, MomentumSettings, Settling, StateSettings,
+    StrainSettings, TimeStepSettings, WallImpact, density_diffusion, density_rate, drift, free_surface, ghost_pressure,
+    ghost_velocity, momentum, next_time_step, pair_kernel, strain_rate, wall_impact,
 };
 use crate::app::StoreggaApp;
 use crate::schedule::Stage;
@@ -27,6 +27,7 @@ impl Plugin for PhysicsPlugin {
         app.register_scene_section::<StateSettings>()
             .register_scene_section::<DensityDiffusion>()
             .register_scene_section::<StrainSettings>()
+            .register_scene_section::<FreeSurface>()
             .register_scene_section::<MomentumSettings>()
             .register_scene_section::<WallImpact>()
             .register_scene_section::<Settling>()
@@ -45,6 +46,7 @@ impl Plugin for PhysicsPlugin {
             .set_stage(Stage::Continuity, density_rate::<2>, density_rate::<3>)
             .set_stage(Stage::Diffusion, density_diffusion::<2>, density_diffusion::<3>)
             .set_stage(Stage::State, advance_state, advance_state)
+            .set_stage(Stage::FreeSurface, free_surface::<2>, free_surface::<3>)
             .set_stage(Stage::GhostPressure, ghost_pressure, ghost_pressure)
             .set_stage(Stage::WallImpact, wall_impact, wall_impact)
             .set_stage(Stage::Momentum, momentum::<2>, momentum::<3>)

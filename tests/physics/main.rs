@@ -7,6 +7,7 @@ mod conservation;
 mod determinism;
 mod diffusion;
 mod divergence;
+mod free_surface;
 mod ghosts;
 mod kernels;
 mod linear_fields;

@@ -38,7 +38,7 @@ fn two_particles(momentum: &str) -> App {
     let text = format!(
         r#"Scene(
             dimension: 2, spacing: 0.05, gravity: (0.0, 0.0), end_time: 1.0,
-            equation_of_state: (max_speed: 1.0), momentum: ({momentum}),
+            equation_of_state: (max_speed: 1.0), momentum: ({momentum}), free_surface: Off,
             phases: {{
                 "light": (reference_density: 1000.0, rheology: Newtonian(viscosity: 1.0)),
                 "heavy": (reference_density: 4000.0, rheology: Newtonian(viscosity: 3.0)),
