@@ -12,13 +12,13 @@ use crate::probes::Series;
 pub struct Check {
     /// What was checked, in words.
     pub name: String,
-    /// The value that came out, in the unit of its series; NaN if there is none.
+    /// The value that came out; NaN if there is none.
     pub value: f64,
     /// What it should be, in the same unit: the middle of what is accepted.
     pub expected: f64,
     /// Greatest |value − expected| that is accepted, in the same unit.
     pub tolerance: f64,
-    /// Unit of the series; empty for pure numbers.
+    /// Unit of the value: that of the series, or of what is taken of it; empty for pure numbers.
     pub unit: String,
     /// What the scene says that it should be, with its unit.
     pub expected_text: String,
@@ -74,6 +74,7 @@ impl Resolved {
         let series = world.get::<Series>(self.series);
         let samples: Vec<Sample> = series.map(|series| series.column(self.field).collect()).unwrap_or_default();
         let unit = series.and_then(|series| series.fields.get(self.field)).map_or("", |field| field.unit.as_str());
+        let unit = self.take.unit(unit);
         let (value, note) = match self.value(&samples).and_then(|value| self.other(world).map(|_| value)) {
             Ok(value) if value.is_nan() => (value, "what was measured is not a number".to_owned()),
             Ok(value) => (value, String::new()),

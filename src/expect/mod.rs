@@ -11,6 +11,7 @@
 
 mod check;
 mod displaced;
+mod fit;
 mod reference;
 mod section;
 mod table;

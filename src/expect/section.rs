@@ -42,8 +42,8 @@ pub enum Within {
     /// A fraction of what it should be.
     #[schemars(extend("unit" = "1", "minimum" = 0.0))]
     Relative(f64),
-    /// A difference in the unit of the series.
-    #[schemars(extend("unit" = "that of the series", "minimum" = 0.0))]
+    /// A difference in the unit of the value.
+    #[schemars(extend("unit" = "that of the value", "minimum" = 0.0))]
     Absolute(f64),
 }
 

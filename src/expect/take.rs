@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::fit::{Oscillation, growth_rate};
 use crate::scene::Invalid;
 
 /// Which value of a series counts. Between its samples a series is taken as linear.
@@ -46,6 +47,36 @@ pub enum Take {
         #[schemars(extend("unit" = "s"))]
         to: f64,
     },
+    /// The time (s) at which the series first reaches a value, from whichever side it starts.
+    #[schemars(extend("unit" = "that of the series"))]
+    Reaches(f64),
+    /// Frequency ω (rad/s) of the damped oscillation `y_0 + e^(−γt) (a cos ωt + b sin ωt)` that fits best in a time.
+    Frequency {
+        /// Start (s).
+        #[schemars(extend("unit" = "s"))]
+        from: f64,
+        /// End (s).
+        #[schemars(extend("unit" = "s"))]
+        to: f64,
+    },
+    /// Decay rate γ (1/s) of that oscillation.
+    Decay {
+        /// Start (s).
+        #[schemars(extend("unit" = "s"))]
+        from: f64,
+        /// End (s).
+        #[schemars(extend("unit" = "s"))]
+        to: f64,
+    },
+    /// Rate σ (1/s) of the exponential `y_0 e^(σt)` that fits best in a time: the slope of ln |y|.
+    Growth {
+        /// Start (s).
+        #[schemars(extend("unit" = "s"))]
+        from: f64,
+        /// End (s).
+        #[schemars(extend("unit" = "s"))]
+        to: f64,
+    },
 }
 
 /// A time and the value at it.
@@ -57,24 +88,46 @@ const SAME_TIME: f64 = 1e-9;
 impl Take {
     /// Refuses windows that end before they start.
     pub(super) fn check(&self) -> Result<(), Invalid> {
-        match *self {
-            Self::Mean { from, to } | Self::MaxIn { from, to } | Self::Change { from, to } if from >= to => {
+        match self.window() {
+            Some((from, to)) if from >= to => {
                 Err(Invalid::new("to", format!("must lie after `from`, got {from} and {to} s")))
             }
             _ => Ok(()),
         }
     }
 
+    /// The time (s) in which it looks at the series, if it is not the whole run.
+    fn window(&self) -> Option<(f64, f64)> {
+        match *self {
+            Self::Mean { from, to }
+            | Self::MaxIn { from, to }
+            | Self::Change { from, to }
+            | Self::Frequency { from, to }
+            | Self::Decay { from, to }
+            | Self::Growth { from, to } => Some((from, to)),
+            Self::Last | Self::At(_) | Self::Max | Self::Min | Self::Reaches(_) => None,
+        }
+    }
+
+    /// Unit of the value, for a series in `unit`.
+    pub(super) fn unit<'a>(&self, unit: &'a str) -> &'a str {
+        match self {
+            Self::Reaches(_) => "s",
+            Self::Frequency { .. } => "rad/s",
+            Self::Decay { .. } | Self::Growth { .. } => "1/s",
+            _ => unit,
+        }
+    }
+
     /// Refuses times at which a run from 0 to `end_time` (s) measures nothing.
     pub(super) fn check_times(&self, end_time: f64) -> Result<(), Invalid> {
-        match *self {
-            Self::At(t) => in_run("", t, end_time),
-            Self::Mean { from, to } | Self::MaxIn { from, to } | Self::Change { from, to } => {
-                in_run("from", from, end_time)?;
-                in_run("to", to, end_time)
-            }
-            Self::Last | Self::Max | Self::Min => Ok(()),
+        if let Self::At(t) = *self {
+            return in_run("", t, end_time);
         }
+        self.window().map_or(Ok(()), |(from, to)| {
+            in_run("from", from, end_time)?;
+            in_run("to", to, end_time)
+        })
     }
 
     /// The value, or why there is none.
@@ -90,6 +143,10 @@ impl Take {
                 Ok(window(samples, from, to)?.into_iter().map(|(_, value)| value).fold(f64::NAN, f64::max))
             }
             Self::Change { from, to } => Ok(at(samples, to)? - at(samples, from)?),
+            Self::Reaches(value) => reaches(samples, value),
+            Self::Frequency { from, to } => Oscillation::fit(&window(samples, from, to)?).map(|fit| fit.frequency),
+            Self::Decay { from, to } => Oscillation::fit(&window(samples, from, to)?).map(|fit| fit.decay),
+            Self::Growth { from, to } => growth_rate(&window(samples, from, to)?),
         }
     }
 }
@@ -117,6 +174,24 @@ pub(super) fn at(samples: &[Sample], t: f64) -> Result<f64, String> {
         return Ok(if k == 0 { first.1 } else { last.1 });
     };
     Ok(if t == t0 { v0 } else { v0 + (v1 - v0) * (t - t0) / (t1 - t0) })
+}
+
+/// The time (s) at which the series first reaches `value`; samples that are no numbers are left out.
+fn reaches(samples: &[Sample], value: f64) -> Result<f64, String> {
+    let numbers: Vec<Sample> = samples.iter().copied().filter(|(_, y)| !y.is_nan()).collect();
+    let (Some(first), Some(last)) = (numbers.first(), numbers.last()) else {
+        return Err("nothing was measured".to_owned());
+    };
+    let rises = first.1 < value;
+    let there = |y: f64| if rises { y >= value } else { y <= value };
+    match numbers.windows(2).find(|pair| there(pair[1].1)) {
+        _ if first.1 == value => Ok(first.0),
+        Some(pair) => {
+            let ((t0, y0), (t1, y1)) = (pair[0], pair[1]);
+            Ok(t0 + (t1 - t0) * (value - y0) / (y1 - y0))
+        }
+        None => Err(format!("it did not reach {value} up to {} s", last.0)),
+    }
 }
 
 /// The samples from `from` to `to` (s), both ends interpolated.
@@ -159,6 +234,28 @@ mod tests {
         // Trapezia: (0.5 + 0.8125 + 8.4375 + 12.5)/4, and one piece of one of them.
         assert!((take(Take::Mean { from: 0.0, to: 4.0 }) - 22.25 / 4.0).abs() < 1e-12);
         assert!((take(Take::Mean { from: 3.25, to: 3.75 }) - 12.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_time_of_a_value_is_that_of_the_broken_line() {
+        assert_eq!(take(Take::Reaches(1.625)), 1.25);
+        assert_eq!(take(Take::Reaches(0.0)), 0.0);
+        assert!(Take::Reaches(16.5).of(&SAMPLES).is_err_and(|why| why.contains("up to 4 s")));
+        let falls = [(0.0, f64::NAN), (1.0, 3.0), (2.0, 1.0), (3.0, 5.0)];
+        assert_eq!(Take::Reaches(2.0).of(&falls), Ok(1.5));
+    }
+
+    #[test]
+    fn fitted_rates_are_those_of_the_window() {
+        let samples: Vec<Sample> = (0..200)
+            .map(|k| 0.05 * f64::from(k))
+            .map(|t| (t, if t < 2.0 { 9.0 } else { (-0.1 * t).exp() * (4.0 * t).sin() }))
+            .collect();
+        let of = |take: Take| take.of(&samples).unwrap_or(f64::NAN);
+        assert!((of(Take::Frequency { from: 2.0, to: 9.0 }) - 4.0).abs() < 1e-3);
+        assert!((of(Take::Decay { from: 2.0, to: 9.0 }) - 0.1).abs() < 1e-3);
+        assert!(of(Take::Growth { from: 0.0, to: 1.5 }).abs() < 1e-12);
+        assert_eq!(Take::Growth { from: 0.0, to: 1.0 }.unit("m"), "1/s");
     }
 
     #[test]
