@@ -14,7 +14,10 @@ use crate::scene::geometry::Point;
 ///
 /// `p = [Σ_f p_f W_f + g·Σ_f ρ_f (x − x_f) W_f] / Σ_f W_f`
 ///
-/// At rest it is exact up to the curvature of p over a kernel, on a wall and off it.
+/// At rest it is exact up to the curvature of p over a kernel, on a wall and off it. There is no number while no particle is
+/// within 1.5 spacings: the place is dry, and the pressure of the fluid below or before it is not its own.
+///
+/// What is averaged over is the kernel's reach, whatever the size of the sensor that it stands for.
 #[derive(Component, Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PressurePoint {
@@ -23,13 +26,16 @@ pub struct PressurePoint {
     pub at: Point,
 }
 
+/// Distance (in spacings) of the nearest particle beyond which a place is dry.
+const DRY: f64 = 1.5;
+
 impl Probe for PressurePoint {
     fn description(&self) -> String {
         "pressure at a point, Eq. 15".to_owned()
     }
 
     fn fields(&self) -> Vec<SeriesField> {
-        vec![SeriesField::new("pressure", "Pa", "pressure; no number where no fluid is near")]
+        vec![SeriesField::new("pressure", "Pa", "pressure; no number where it is dry")]
     }
 
     fn prepare(&mut self, world: &mut World) -> Result<(), Invalid> {
@@ -38,12 +44,14 @@ impl Probe for PressurePoint {
 
     fn measure(&mut self, state: &State<'_>, row: &mut [f64]) {
         let (mut sum_pw, mut sum_rho_r_w, mut sum_w) = (0.0, DVec3::ZERO, 0.0);
+        let mut nearest = f64::INFINITY;
         for (f, r, w) in state.around(self.at.position()) {
             sum_pw += state.fluid.pressure[f].0 * w;
             sum_rho_r_w += r * (state.fluid.density[f].0 * w);
             sum_w += w;
+            nearest = nearest.min(r.length());
         }
-        if sum_w > 0.0 {
+        if nearest <= DRY * state.resolution.spacing {
             row[0] = (sum_pw + state.gravity.now.dot(sum_rho_r_w)) / sum_w;
         }
     }
@@ -59,6 +67,8 @@ mod tests {
             "floor_pressure": PressurePoint(at: (0.2, 0)),
             "side": PressurePoint(at: (0, 0.1)),
             "above": PressurePoint(at: (0.2, 0.9)),
+            "little_above": PressurePoint(at: (0.2, 0.42)),
+            "just_above": PressurePoint(at: (0.2, 0.416)),
         },"#;
         let mut app = opened(&scene(TANK, probes));
         // Incompressible on purpose: then the pressure is linear and the formula has no error.
@@ -70,6 +80,9 @@ mod tests {
         app.assert("floor_pressure.pressure", 9.81 * (200.0 + 240.0), 1e-9);
         app.assert("side.pressure", 9.81 * (200.0 + 120.0), 1e-9);
         assert!(app.value("above.pressure").is_some_and(f64::is_nan));
+        // The highest particles, at (0.2 ± 0.01, 0.39), are 0.028 and 0.032 m away: within 0.03 m and not.
+        app.assert("just_above.pressure", -9.81 * 16.0, 1e-9);
+        assert!(app.value("little_above.pressure").is_some_and(f64::is_nan));
     }
 
     #[test]
