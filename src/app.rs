@@ -249,6 +249,7 @@ struct FluidsPlugin;
 impl Plugin for FluidsPlugin {
     fn build(&self, app: &mut App) {
         app.register_scene_section::<crate::scene::FluidsSection>()
+            .register_scene_section::<crate::scene::Disturbance>()
             .register_rebuilt::<crate::scene::FilledFluids>()
             .register_rebuilt::<EquationOfState>();
     }

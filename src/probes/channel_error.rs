@@ -4,7 +4,7 @@ use bevy_ecs::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::parameters::{component, flow_law, phase};
+use super::parameters::{flow_law, phase};
 use super::{ChannelFlow, Probe, SeriesField, State};
 use crate::physics::Gravity;
 use crate::scene::Invalid;
@@ -59,7 +59,7 @@ impl Probe for ChannelError {
         if self.along == self.across {
             return Err(Invalid::new("across", "must be another axis than that of the flow"));
         }
-        let gravity = world.resource::<Gravity>().full[component(self.along)];
+        let gravity = world.resource::<Gravity>().full[self.along.index()];
         self.sense = gravity.signum();
         let law = flow_law(world, self.index)?;
         self.flow = ChannelFlow {
@@ -79,7 +79,7 @@ impl Probe for ChannelError {
 
     fn measure(&mut self, state: &State<'_>, row: &mut [f64]) {
         let fluid = &state.fluid;
-        let (along, across) = (component(self.along), component(self.across));
+        let (along, across) = (self.along.index(), self.across.index());
         let middle = 0.5 * (self.walls.0 + self.walls.1);
         let core = self.flow.plug().max(state.resolution.spacing);
         let (mut error, mut norm, mut plug, mut plug_volume) = (0.0, 0.0, 0.0, 0.0);

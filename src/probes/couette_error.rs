@@ -4,7 +4,7 @@ use bevy_ecs::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::parameters::{component, flow_law, phase};
+use super::parameters::{flow_law, phase};
 use super::{CouetteFlow, CouetteLayer, Probe, SeriesField, State};
 use crate::scene::Invalid;
 use crate::scene::geometry::Axis;
@@ -78,7 +78,7 @@ impl Probe for CouetteError {
 
     fn measure(&mut self, state: &State<'_>, row: &mut [f64]) {
         let fluid = &state.fluid;
-        let (along, across) = (component(self.along), component(self.across));
+        let (along, across) = (self.along.index(), self.across.index());
         let (mut error, mut norm) = (0.0, 0.0);
         for i in fluid.rows() {
             let exact = self.flow.velocity(fluid.position[i].0[across] - self.bounds[0]);

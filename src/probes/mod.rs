@@ -13,7 +13,9 @@ mod density_error;
 mod energy;
 mod front;
 mod interface;
+mod layer_mode;
 mod parameters;
+mod phase_mixing;
 mod pressure_error;
 mod pressure_point;
 mod probe;
@@ -36,6 +38,8 @@ pub use density_error::DensityError;
 pub use energy::Energy;
 pub use front::Front;
 pub use interface::Interface;
+pub use layer_mode::LayerMode;
+pub use phase_mixing::PhaseMixing;
 pub use pressure_error::HydrostaticError;
 pub use pressure_point::PressurePoint;
 pub use probe::{Probe, ProbeRegistry, ProbeSystems};
@@ -70,6 +74,8 @@ impl Plugin for ProbesPlugin {
             .register_probe::<DensityError>("DensityError")
             .register_probe::<Interface>("Interface")
             .register_probe::<RigidRotationError>("RigidRotationError")
+            .register_probe::<LayerMode>("LayerMode")
+            .register_probe::<PhaseMixing>("PhaseMixing")
             .register_scene_section::<ProbesSection>();
     }
 }

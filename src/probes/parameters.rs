@@ -7,7 +7,7 @@ use crate::particles::ReferenceDensity;
 use crate::phases::{Phase, phase_named};
 use crate::physics::Gravity;
 use crate::rheology::{Bingham, HerschelBulkley, Newtonian, PowerLaw};
-use crate::scene::geometry::{Axis, Point, coordinates};
+use crate::scene::geometry::{Point, coordinates};
 use crate::scene::{Invalid, Resolution};
 
 /// Position (m) of the field `name`.
@@ -32,15 +32,6 @@ pub(super) fn phase(world: &mut World, name: &str) -> Result<u32, Invalid> {
 pub(super) fn up(world: &World) -> Result<DVec3, Invalid> {
     let against = -world.resource::<Gravity>().full;
     against.try_normalize().ok_or_else(|| Invalid::new("", "a height needs a gravity that is not zero"))
-}
-
-/// Index of the component along an axis.
-pub(super) fn component(axis: Axis) -> usize {
-    match axis {
-        Axis::X => 0,
-        Axis::Y => 1,
-        Axis::Z => 2,
-    }
 }
 
 /// Herschel–Bulkley's law `τ = τ_y + η γ̇^K` of a phase, for exact flows.

@@ -7,7 +7,7 @@ use glam::DVec3;
 use crate::boundary::{Body, Load, Structure};
 use crate::clock::Clock;
 use crate::kernels::SmoothingKernel;
-use crate::neighbours::PeriodicSides;
+use crate::neighbours::{Neighbours, PeriodicSides};
 use crate::particles::{
     Density, Fluid, Mass, ParticleId, PhaseIndex, Position, Pressure, ReferenceDensity, ShearRate, Velocity, Viscosity,
     columns,
@@ -40,6 +40,7 @@ pub struct StateParam<'w, 's> {
     gravity: Res<'w, Gravity>,
     kernel: Res<'w, SmoothingKernel>,
     periodic: Res<'w, PeriodicSides>,
+    neighbours: Res<'w, Neighbours>,
     fluid: Query<'w, 's, FluidData, With<Fluid>>,
     structures: Structures<'w, 's>,
 }
@@ -103,6 +104,8 @@ pub struct State<'a> {
     pub kernel: &'a SmoothingKernel,
     /// Periodic sides.
     pub periodic: &'a PeriodicSides,
+    /// Neighbour lists and kernels of the last step; none before the first one.
+    pub neighbours: &'a Neighbours,
     /// The fluid.
     pub fluid: FluidColumns<'a>,
     /// The structures.
@@ -121,6 +124,7 @@ impl StateParam<'_, '_> {
             gravity: &self.gravity,
             kernel: &self.kernel,
             periodic: &self.periodic,
+            neighbours: &self.neighbours,
             fluid: FluidColumns {
                 id,
                 phase,

@@ -1,6 +1,7 @@
 //! Scenes: RON text, read strictly, and what becomes of it.
 
 mod columns;
+mod disturbance;
 pub mod document;
 mod files;
 mod fluids;
@@ -15,6 +16,7 @@ mod section;
 mod variant;
 
 pub(crate) use columns::vertical;
+pub use disturbance::{Disturbance, WaveMode};
 pub use document::{Document, Named, Node, flatten, nearest};
 pub use files::{SceneFiles, scene_file};
 pub(crate) use fluids::WALL_CLEARANCE;

@@ -86,6 +86,16 @@ pub enum Axis {
 }
 
 impl Axis {
+    /// Index of the component along it.
+    #[must_use]
+    pub fn index(self) -> usize {
+        match self {
+            Self::X => 0,
+            Self::Y => 1,
+            Self::Z => 2,
+        }
+    }
+
     /// The vector with components `across` in the plane normal to this axis and `along` it; right-handed.
     pub(super) fn compose(self, across: [f64; 2], along: f64) -> DVec3 {
         let [u, v] = across;
