@@ -79,17 +79,28 @@ impl UserError {
 
     /// The error for a terminal: the line it lies in with the wrong part underlined, and the help.
     pub fn render(&self, colour: bool) -> String {
-        self.place().and_then(|place| self.render_place(place, colour)).unwrap_or_else(|| self.render_plain(colour))
+        self.render_as(ReportKind::Error, colour)
     }
 
-    fn render_place(&self, place: &Place, colour: bool) -> Option<String> {
+    /// The same for what may be wrong but does not stop a run.
+    pub fn render_warning(&self, colour: bool) -> String {
+        self.render_as(ReportKind::Warning, colour)
+    }
+
+    fn render_as(&self, kind: ReportKind<'_>, colour: bool) -> String {
+        let placed = self.place().and_then(|place| self.render_place(place, kind, colour));
+        placed.unwrap_or_else(|| self.render_plain(kind, colour))
+    }
+
+    fn render_place(&self, place: &Place, kind: ReportKind<'_>, colour: bool) -> Option<String> {
         let id = place.file.as_str();
         let config = Config::default().with_color(colour).with_index_type(IndexType::Byte);
-        let mut label = Label::new((id, place.span.clone())).with_color(Color::Red);
+        let hue = if kind == ReportKind::Error { Color::Red } else { Color::Yellow };
+        let mut label = Label::new((id, place.span.clone())).with_color(hue);
         if !place.label.is_empty() {
             label = label.with_message(&place.label);
         }
-        let mut report = Report::build(ReportKind::Error, (id, place.span.clone()))
+        let mut report = Report::build(kind, (id, place.span.clone()))
             .with_config(config)
             .with_message(&self.message)
             .with_label(label);
@@ -101,10 +112,10 @@ impl UserError {
         String::from_utf8(bytes).ok()
     }
 
-    fn render_plain(&self, colour: bool) -> String {
+    fn render_plain(&self, kind: ReportKind<'_>, colour: bool) -> String {
         let (red, off) = if colour { ("\u{1b}[31m", "\u{1b}[0m") } else { ("", "") };
         let help = self.help.as_ref().map(|help| format!("  Help: {help}\n")).unwrap_or_default();
-        format!("{red}Error:{off} {self}\n{help}")
+        format!("{red}{kind}:{off} {self}\n{help}")
     }
 }
 

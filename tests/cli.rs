@@ -331,7 +331,7 @@ fn check_tells_the_run_before_it_is_run() {
     parts.iter().for_each(|part| assert!(ran.out().contains(part), "{part} is not in\n{}", ran.out()));
     assert!(!folder.0.join("runs").exists());
     let ran = folder.run(&["check", "tank.ron", "--set", "spacing=0.0098"]);
-    assert!(ran.out().contains("Warning: fluids.0.shape: x = 0.2 m of `max`"), "{}", ran.out());
+    assert!(ran.out().contains("Warning: `fluids.0.shape`: x = 0.2 m of `max`"), "{}", ran.out());
 }
 
 #[test]

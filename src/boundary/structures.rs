@@ -7,7 +7,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::body::{Body, BodyShape, spawn_body};
-use super::{Motion, Structure};
+use super::{Motion, Structure, body_shapes};
 use crate::neighbours::PeriodicSides;
 use crate::particles::{Slip, Solid};
 use crate::scene::geometry::{Point, Shape, coordinates, solid_particles};
@@ -80,11 +80,15 @@ impl SceneSection for StructuresSection {
 
     fn spawn(self, world: &mut World) -> Result<(), SectionError> {
         let resolution = *world.resource::<Resolution>();
+        let walls = body_shapes(world);
         let mut earlier: Vec<(String, BodyShape)> = Vec::new();
         for (index, (name, spec)) in self.0.into_iter().enumerate() {
             let particles = solid_particles(&spec.shape, resolution.spacing, resolution.dimension);
-            if particles.len() < 2 {
-                let message = format!("is too thin for a spacing of {} m: no particles fill it", resolution.spacing);
+            let (low, high) = spec.shape.bounds();
+            let across = (high - low).to_array()[..resolution.dimension].iter().copied().fold(f64::INFINITY, f64::min);
+            if particles.len() < 2 || across < resolution.spacing {
+                let message =
+                    format!("is {across} m thin, less than a particle at a spacing of {} m", resolution.spacing);
                 return Err(Invalid::new(format!("{name}.shape"), message).into());
             }
             let volume: f64 = particles.iter().map(|particle| particle.volume).sum();
@@ -110,6 +114,14 @@ impl SceneSection for StructuresSection {
             if let Some((other, _)) = earlier.iter().find(|(_, other)| deep(other)) {
                 let path = format!("{}.shape", body.name);
                 return Err(Invalid::new(path, format!("overlaps the structure `{other}`")).into());
+            }
+            let buried = |wall: &BodyShape| {
+                let sides = world.resource::<PeriodicSides>();
+                particles.iter().all(|particle| wall.clearance_through(sides, particle.position) < 0.0)
+            };
+            if let Some((wall, ..)) = walls.iter().find(|(_, wall, _)| buried(wall)) {
+                let path = format!("{}.shape", body.name);
+                return Err(Invalid::new(path, format!("lies in the wall `{wall}`, where no fluid reaches it")).into());
             }
             earlier.push((body.name.clone(), shape.clone()));
             let particles = particles.into_iter().map(|particle| (particle.position, particle.volume));

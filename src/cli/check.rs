@@ -37,7 +37,7 @@ fn report(scene: &Path, world: &mut World, thread_count: usize) -> String {
         phase_table(world),
         time_steps(world, thread_count),
         defaults(world),
-        warnings::text(&warnings::warnings(world)),
+        warnings::text(&warnings::warnings(world), false),
     ];
     parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n")
 }

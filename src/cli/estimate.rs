@@ -9,17 +9,7 @@ use crate::neighbours::Neighbours;
 use crate::outputs::{OutputKind, OutputTimes};
 use crate::phases::phases;
 use crate::physics::{EquationOfState, Gravity, TimeStepSettings};
-use crate::scene::Resolution;
-
-/// Bytes that a particle takes besides its pairs: its columns, the change ticks of each, the packed records of the
-/// sweeps, its place in the grid.
-const BYTES_PER_PARTICLE: f64 = 700.0;
-
-/// Bytes of a listed pair: the neighbour's row and one kernel column.
-const BYTES_PER_PAIR: f64 = 12.0;
-
-/// Lists grow by doubling: on average a third of their memory is not in use.
-const SLACK: f64 = 1.5;
+use crate::scene::{Resolution, bytes_of};
 
 /// Bytes of the program itself.
 const PROGRAM: f64 = 12e6;
@@ -68,7 +58,7 @@ impl Estimate {
             limits,
             steps,
             pairs_per_particle: neighbours.fluid.len() as f64 / fluid,
-            memory: PROGRAM + particles * BYTES_PER_PARTICLE + pairs * BYTES_PER_PAIR * SLACK,
+            memory: PROGRAM + bytes_of(particles, pairs),
             log: frames * fluid * BYTES_PER_FRAME,
             updates_per_second,
             duration: steps * fluid / updates_per_second,

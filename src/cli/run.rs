@@ -29,12 +29,12 @@ pub(super) fn run<P: PluginGroup>(args: &RunArgs, plugins: fn() -> P) -> Result<
     make_folder(&log)?;
     let warnings = warnings::warnings(app.world_mut());
     if !args.quiet {
-        complain(&warnings::text(&warnings));
+        complain(&warnings::text(&warnings, exit::colour()));
     }
     let settings = Settings {
         until: args.until,
         log: Some(&log),
-        warnings,
+        warnings: warnings.iter().map(ToString::to_string).collect(),
         checkpoints: checkpoints(args, &log),
         resume: None,
         threads: args.threads.count(),

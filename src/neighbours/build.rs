@@ -43,14 +43,6 @@ impl SceneSection for NeighbourSettings {
         Some(Self::default())
     }
 
-    fn check(&self, _: &World) -> Result<(), Invalid> {
-        if (0.0..=1.0).contains(&self.skin) {
-            Ok(())
-        } else {
-            Err(Invalid::new("skin", format!("must lie between 0 and 1 support radii, got {}", self.skin)))
-        }
-    }
-
     fn spawn(self, world: &mut World) -> Result<(), SectionError> {
         // A particle must not meet its own image.
         let reach = (1.0 + self.skin) * world.resource::<SmoothingKernel>().0.radius();

@@ -50,12 +50,6 @@ impl SceneSection for PhasesSection {
         if self.0.is_empty() {
             return Err(Invalid::new("", "a scene needs at least one phase"));
         }
-        for (name, phase) in &self.0 {
-            if phase.reference_density <= 0.0 {
-                let message = format!("must be greater than 0, got {} kg/m³", phase.reference_density);
-                return Err(Invalid::new(format!("{name}.reference_density"), message));
-            }
-        }
         Ok(())
     }
 

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::clock::Clock;
 use crate::particles::{Acceleration, Fluid, GRAIN, PIECE, Velocity};
-use crate::scene::{Invalid, SceneSection, SectionError};
+use crate::scene::{SceneSection, SectionError};
 
 /// Gravity, or whatever uniform acceleration the scene gives in its place.
 #[derive(Resource, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
@@ -50,20 +50,6 @@ impl SceneSection for Settling {
 
     fn when_absent() -> Option<Self> {
         Some(Self::Off)
-    }
-
-    fn check(&self, _: &World) -> Result<(), Invalid> {
-        let (until, rate) = match *self {
-            Self::Off => return Ok(()),
-            Self::Damping { until, rate } => (until, rate),
-            Self::GravityRamp { until } => (until, 1.0),
-        };
-        for (name, value, unit) in [("until", until, "s"), ("rate", rate, "1/s")] {
-            if value <= 0.0 {
-                return Err(Invalid::new(name, format!("must be greater than 0, got {value} {unit}")));
-            }
-        }
-        Ok(())
     }
 
     fn spawn(self, world: &mut World) -> Result<(), SectionError> {

@@ -19,7 +19,7 @@ use crate::particles::{
     Density, DensityRate, Fluid, GRAIN, Gather, Gathered, Mass, PIECE, Position, ReferenceDensity, Solid, Vector, Wall,
     columns,
 };
-use crate::scene::{Invalid, Resolution, SceneSection, SectionError};
+use crate::scene::{Resolution, SceneSection, SectionError};
 
 /// Which diffusion acts on the density: section `diffusion` of a scene.
 #[derive(Resource, Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -46,15 +46,6 @@ impl SceneSection for DensityDiffusion {
 
     fn when_absent() -> Option<Self> {
         Some(Self::Hydrostatic { delta: 0.1 })
-    }
-
-    fn check(&self, _: &World) -> Result<(), Invalid> {
-        match *self {
-            Self::Molteni { delta } | Self::Hydrostatic { delta } if !(0.0..=1.0).contains(&delta) => {
-                Err(Invalid::new("delta", format!("must lie between 0 and 1 (usually 0.1), got {delta}")))
-            }
-            _ => Ok(()),
-        }
     }
 
     fn spawn(self, world: &mut World) -> Result<(), SectionError> {

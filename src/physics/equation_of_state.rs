@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::clock::Clock;
 use crate::particles::{Density, DensityRate, Fluid, GRAIN, PIECE, Pressure, ReferenceDensity};
-use crate::scene::{Invalid, SceneSection, SectionError};
+use crate::scene::{SceneSection, SectionError};
 
 /// Equation of state, Eqs. 7–9: section `equation_of_state` of a scene.
 #[derive(Resource, Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -43,23 +43,6 @@ impl SceneSection for StateSettings {
 
     fn when_absent() -> Option<Self> {
         Some(Self::default())
-    }
-
-    fn check(&self, _: &World) -> Result<(), Invalid> {
-        for (name, value, unit) in [("max_pressure", self.max_pressure, "Pa"), ("max_speed", self.max_speed, "m/s")] {
-            if let Some(value) = value.filter(|value| *value < 0.0) {
-                return Err(Invalid::new(name, format!("must not be negative, got {value} {unit}")));
-            }
-        }
-        if self.sound_speed_ratio < 1.0 {
-            let message = format!("must be at least 1 (10 keeps density within 1 %), got {}", self.sound_speed_ratio);
-            return Err(Invalid::new("sound_speed_ratio", message));
-        }
-        if self.background_pressure < 0.0 {
-            let message = format!("must not be negative, got {} Pa", self.background_pressure);
-            return Err(Invalid::new("background_pressure", message));
-        }
-        Ok(())
     }
 
     fn spawn(self, world: &mut World) -> Result<(), SectionError> {

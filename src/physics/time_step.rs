@@ -15,7 +15,7 @@ use crate::particles::{
     Acceleration, Density, Fluid, GRAIN, PIECE, Position, ReferenceDensity, Solid, Velocity, Viscosity, Wall,
     WallVelocity,
 };
-use crate::scene::{Invalid, Resolution, SceneSection, SectionError};
+use crate::scene::{Resolution, SceneSection, SectionError};
 
 /// Coefficients of Eq. 19: section `time_step` of a scene.
 #[derive(Resource, Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -47,17 +47,6 @@ impl SceneSection for TimeStepSettings {
 
     fn when_absent() -> Option<Self> {
         Some(Self::default())
-    }
-
-    fn check(&self, _: &World) -> Result<(), Invalid> {
-        let named = [("sound", self.sound), ("viscosity", self.viscosity), ("acceleration", self.acceleration)];
-        if let Some((name, value)) = named.into_iter().find(|(_, value)| *value <= 0.0 || *value > 2.0) {
-            return Err(Invalid::new(name, format!("must lie between 0 and 2, got {value}")));
-        }
-        match self.least {
-            Some(least) if least < 0.0 => Err(Invalid::new("least", format!("must not be negative, got {least} s"))),
-            _ => Ok(()),
-        }
     }
 
     fn spawn(self, world: &mut World) -> Result<(), SectionError> {

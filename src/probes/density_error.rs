@@ -7,7 +7,6 @@ use serde::{Deserialize, Serialize};
 
 use super::{Probe, SeriesField, State};
 use crate::boundary::{BodyShape, Motion};
-use crate::scene::geometry::Shape;
 use crate::scene::{FilledFluids, Invalid};
 
 /// Compression |ρ/ρ0 − 1| of the fluid, the `greatest` and the root mean square `rms` over particles, and two counts of
@@ -42,18 +41,14 @@ impl Probe for DensityError {
     }
 
     fn prepare(&mut self, world: &mut World) -> Result<(), Invalid> {
-        let mut shapes: Vec<Shape> =
-            world.resource::<FilledFluids>().fluids.iter().map(|(shape, _)| shape.clone()).collect();
+        self.bounds = world.resource::<FilledFluids>().bounds();
         let mut bodies = world.query::<(&BodyShape, &Motion)>();
         self.still.clear();
         for (body, motion) in bodies.iter(world) {
-            shapes.push(body.shape.clone());
-            shapes.extend(body.cut.clone());
             if *motion == Motion::Still {
                 self.still.push(body.clone());
             }
         }
-        self.bounds = Shape::Union(shapes).bounds();
         Ok(())
     }
 

@@ -3,17 +3,36 @@
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 
+use crate::boundary::Motion;
 use crate::particles::ReferenceDensity;
 use crate::phases::{Phase, phase_named};
 use crate::physics::Gravity;
 use crate::rheology::{Bingham, HerschelBulkley, Newtonian, PowerLaw};
 use crate::scene::geometry::{Point, coordinates};
-use crate::scene::{Invalid, Resolution};
+use crate::scene::{FilledFluids, Invalid, Resolution};
 
 /// Position (m) of the field `name`.
 pub(super) fn place(world: &World, name: &str, point: Point) -> Result<DVec3, Invalid> {
     coordinates(point, world.resource::<Resolution>().dimension).map_err(|invalid| invalid.under(name))?;
     Ok(point.position())
+}
+
+/// Refuses the position `x` (m) of the field `name` if it lies outside the box around fluids and bodies, but for `free`, an axis
+/// along which it does not matter. Where bodies move, the box moves too and nothing is refused.
+pub(super) fn inside(world: &mut World, name: &str, x: DVec3, free: DVec3) -> Result<(), Invalid> {
+    let still = world.query::<&Motion>().iter(world).all(|motion| *motion == Motion::Still);
+    let (low, high) = world.resource::<FilledFluids>().bounds();
+    let Resolution { spacing, dimension, .. } = *world.resource::<Resolution>();
+    let outside = (0..dimension)
+        .find(|&axis| free[axis] == 0.0 && !(low[axis] - spacing..=high[axis] + spacing).contains(&x[axis]));
+    match outside.filter(|_| still) {
+        Some(axis) => {
+            let (letter, from, to) = (["x", "y", "z"][axis], low[axis], high[axis]);
+            let message = format!("lies outside the scene, which reaches from {letter} = {from} m to {to} m");
+            Err(Invalid::new(name, message))
+        }
+        None => Ok(()),
+    }
 }
 
 /// Unit vector of the field `direction`.

@@ -5,7 +5,7 @@ use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::parameters::place;
+use super::parameters::{inside, place};
 use super::{Probe, SeriesField, State};
 use crate::scene::Invalid;
 use crate::scene::geometry::Point;
@@ -39,7 +39,8 @@ impl Probe for PressurePoint {
     }
 
     fn prepare(&mut self, world: &mut World) -> Result<(), Invalid> {
-        place(world, "at", self.at).map(|_| ())
+        let x = place(world, "at", self.at)?;
+        inside(world, "at", x, DVec3::ZERO)
     }
 
     fn measure(&mut self, state: &State<'_>, row: &mut [f64]) {

@@ -11,7 +11,7 @@ use super::{Series, SeriesField, State, StateParam};
 use crate::checkpoint::SavedState;
 use crate::error::UserError;
 use crate::outputs::{OutputKind, OutputTimes};
-use crate::scene::schema::{Describe, OpenEnum, describe};
+use crate::scene::schema::{Describe, OpenEnum, check_ranges, describe};
 use crate::scene::{Document, Invalid, Named, SceneFacts, SceneInfo, flatten};
 use crate::schedule::{Output, OutputStage};
 
@@ -117,6 +117,7 @@ impl ProbeRegistry {
 fn read<P: Probe>(document: &Document, named: &Named<'_>, name: &str, world: &mut World) -> Result<(), UserError> {
     let path = format!("probes.{name}");
     let probe: P = document.read_body(named)?;
+    check_ranges(describe::<P>, &probe).map_err(|invalid| document.invalid(&invalid.under(&path)))?;
     let mut facts = world.resource_mut::<SceneFacts>();
     facts.parameters.push((path.clone(), named.name.to_owned()));
     // A probe without parameters has only its kind.

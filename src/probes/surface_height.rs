@@ -5,7 +5,7 @@ use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::parameters::{place, up};
+use super::parameters::{inside, place, up};
 use super::{Probe, SeriesField, State};
 use crate::scene::Invalid;
 use crate::scene::geometry::Point;
@@ -36,7 +36,8 @@ impl Probe for SurfaceHeight {
 
     fn prepare(&mut self, world: &mut World) -> Result<(), Invalid> {
         self.up = up(world)?;
-        place(world, "at", self.at).map(|_| ())
+        let x = place(world, "at", self.at)?;
+        inside(world, "at", x, self.up)
     }
 
     fn measure(&mut self, state: &State<'_>, row: &mut [f64]) {

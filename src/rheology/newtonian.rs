@@ -5,7 +5,6 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{FlowCurve, Rheology};
-use crate::scene::Invalid;
 
 /// `μ = const`.
 #[derive(Component, Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -17,14 +16,6 @@ pub struct Newtonian {
 }
 
 impl Rheology for Newtonian {
-    fn check(&self) -> Result<(), Invalid> {
-        if self.viscosity < 0.0 {
-            let message = format!("the dynamic viscosity must not be negative, got {} Pa s", self.viscosity);
-            return Err(Invalid::new("viscosity", message));
-        }
-        Ok(())
-    }
-
     fn greatest_viscosity(&self) -> f64 {
         self.viscosity
     }

@@ -10,16 +10,19 @@ use serde::de::DeserializeOwned;
 use crate::error::UserError;
 use crate::particles::{Fluid, GRAIN, PIECE, PhaseIndex, Pressure, ShearRate, Viscosity};
 use crate::phases::Phase;
-use crate::scene::schema::{Describe, OpenEnum, describe};
+use crate::scene::schema::{Describe, OpenEnum, check_ranges, describe};
 use crate::scene::{Document, Invalid, Named, flatten};
 
 /// Parameters of a rheology: what a scene writes behind its name, and a component of its phase.
 pub trait Rheology: Component<Mutability = Mutable> + Serialize + DeserializeOwned + JsonSchema + Clone {
-    /// Refuses parameters that make no physical sense.
+    /// Refuses parameters that make no physical sense. Those outside the range that their `#[schemars(…)]` states have been
+    /// refused already.
     ///
     /// # Errors
     /// The first such parameter.
-    fn check(&self) -> Result<(), Invalid>;
+    fn check(&self) -> Result<(), Invalid> {
+        Ok(())
+    }
 
     /// The greatest dynamic viscosity (Pa s) that it can give: it limits the time step.
     fn greatest_viscosity(&self) -> f64;
@@ -104,6 +107,7 @@ fn read<R: Rheology>(
     entity: &mut EntityWorldMut,
 ) -> Result<RheologyFacts, UserError> {
     let rheology: R = document.read_body(named)?;
+    check_ranges(describe::<R>, &rheology).map_err(|invalid| document.invalid(&invalid.under(path)))?;
     rheology.check().map_err(|invalid| document.invalid(&invalid.under(path)))?;
     let facts = RheologyFacts {
         name: String::new(),

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::columns::Depths;
 use super::geometry::{LatticeIndex, Point, RigidRotation, Shape, coordinates, corners, lattice};
-use super::limits::limit_particles;
+use super::limits::{limit_memory, limit_particles};
 use super::{Invalid, Resolution, SceneFacts, SceneInfo, SceneSection, SectionError};
 use crate::boundary::{Body, BodyShape, Motion, Structure, body_shapes};
 use crate::neighbours::PeriodicSides;
@@ -93,6 +93,18 @@ pub struct FilledFluids {
     pub periodic: PeriodicSides,
 }
 
+impl FilledFluids {
+    /// The box (m) around the fluids of the start, walls, their openings and structures.
+    #[must_use]
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        let bodies = self.bodies.iter().flat_map(|body| std::iter::once(&body.shape).chain(&body.cut));
+        let shapes = self.fluids.iter().map(|(shape, _)| shape).chain(bodies);
+        shapes
+            .map(Shape::bounds)
+            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), (from, to)| (low.min(from), high.max(to)))
+    }
+}
+
 /// A particle lies farther (in spacings) than this from the surface of a wall or structure: not on it, as some places of the
 /// lattice do on a slanted wall, but otherwise as near as it comes, so that on average a body displaces its own volume.
 pub(crate) const WALL_CLEARANCE: f64 = 1e-6;
@@ -129,7 +141,7 @@ impl SceneSection for FluidsSection {
                 return Err(Invalid::new(format!("{k}.pressure"), "`Centrifugal` needs a `rotation` of the fluid"));
             }
         }
-        Ok(())
+        limit_memory(world, self.0.iter().map(|fluid| &fluid.shape))
     }
 
     fn spawn(self, world: &mut World) -> Result<(), SectionError> {

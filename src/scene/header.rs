@@ -6,6 +6,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::geometry::{Point, coordinates};
+use super::schema::{check_ranges, describe};
 use super::{Document, Invalid, SceneFacts};
 use crate::error::UserError;
 use crate::kernels::KernelRegistry;
@@ -113,15 +114,7 @@ impl Header {
         if !(2..=3).contains(&self.dimension) {
             return Err(Invalid::new("dimension", format!("must be 2 or 3, got {}", self.dimension)));
         }
-        for (name, value, unit) in [("spacing", self.spacing, "m"), ("end_time", self.end_time, "s")] {
-            if value <= 0.0 {
-                return Err(Invalid::new(name, format!("must be greater than 0, got {value} {unit}")));
-            }
-        }
-        if !(0.8..=3.0).contains(&self.smoothing_ratio) {
-            let message = format!("must lie between 0.8 and 3 spacings, got {}", self.smoothing_ratio);
-            return Err(Invalid::new("smoothing_ratio", message));
-        }
+        check_ranges(describe::<Self>, self)?;
         coordinates(self.gravity, self.dimension).map_err(|invalid| invalid.under("gravity"))?;
         let axes = [("x", self.periodic.x), ("y", self.periodic.y), ("z", self.periodic.z)];
         for (axis, sides) in axes {

@@ -24,7 +24,7 @@ pub use fluids::{FilledFluids, FluidSpec, FluidsSection, InitialPressure};
 pub use header::{Header, Periodic, Resolution, SceneInfo};
 pub use hydrostatics::{Column, Layer};
 pub use invalid::Invalid;
-pub(crate) use limits::limit_particles;
+pub(crate) use limits::{bytes_of, limit_particles};
 pub use load::{Deferred, SceneDocument, load_scene, read_header};
 pub use section::{SceneFacts, SceneSection, SectionError, SectionRegistry};
 pub use variant::open_document;

@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::schema::{Describe, describe};
+use super::schema::{Describe, check_ranges, describe};
 use super::{Document, Invalid, flatten};
 use crate::error::UserError;
 
@@ -45,7 +45,8 @@ pub trait SceneSection: Serialize + DeserializeOwned + JsonSchema + Send + Sync 
         None
     }
 
-    /// Refuses values that make no physical sense.
+    /// Refuses values that make no physical sense. Numbers outside the range that their `#[schemars(…)]` states have been
+    /// refused already.
     ///
     /// # Errors
     /// The first such value, with its path inside the section.
@@ -131,6 +132,7 @@ fn load<S: SceneSection>(document: &Document, world: &mut World) -> Result<(), U
             return Err(document.invalid(&Invalid::new("", format!("the section `{}` is missing", S::NAME))));
         }
     };
+    check_ranges(describe::<S>, &section).map_err(|invalid| document.invalid(&invalid.under(S::NAME)))?;
     section.check(world).map_err(|invalid| document.invalid(&invalid.under(S::NAME)))?;
     world.get_resource_or_init::<SceneFacts>().note(document, S::NAME, &section);
     section.spawn(world).map_err(|error| match error {

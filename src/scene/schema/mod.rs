@@ -16,10 +16,11 @@
 //! ```
 //!
 //! `unit` stands on every number ("1" for one without dimension) and on what is made of numbers; `derived` says in words
-//! what a field left out follows from. RON maps to JSON as `serde` does it: `(a: 1)` is `{"a": 1}`, `(1, 2)` is `[1, 2]`,
+//! what a field left out follows from. A range is not only told: a number outside it is refused. RON maps to JSON as `serde` does it: `(a: 1)` is `{"a": 1}`, `(1, 2)` is `[1, 2]`,
 //! `Name` is `"Name"`, `Name(a: 1)` is `{"Name": {"a": 1}}`, and `None` is `null`.
 
 mod page;
+mod ranges;
 mod words;
 
 use std::borrow::Cow;
@@ -38,6 +39,7 @@ use crate::probes::ProbeRegistry;
 use crate::rheology::RheologyRegistry;
 
 pub use page::reference_page;
+pub(crate) use ranges::check_ranges;
 
 /// Makes the schema of a type.
 pub(crate) type Describe = fn(&mut SchemaGenerator) -> Schema;

@@ -1,0 +1,74 @@
+//! Shapes that do not fit the lattice of particles, and phases that fill nothing.
+
+use bevy_ecs::prelude::*;
+
+use crate::boundary::body_shapes;
+use crate::number::short;
+use crate::phases::phases;
+use crate::scene::geometry::{Shape, lattice};
+use crate::scene::{FilledFluids, Invalid, Resolution};
+
+/// How far (in spacings) a side may be off the lattice.
+const TOLERANCE: f64 = 1e-6;
+
+/// Sides of boxes that lie between the cells of the particles.
+pub(super) fn off_lattice(world: &mut World) -> Vec<Invalid> {
+    let resolution = *world.resource::<Resolution>();
+    let filled = world.resource::<FilledFluids>().fluids.clone();
+    let fluids = filled.into_iter().enumerate().map(|(k, (shape, _))| (format!("fluids.{k}"), shape));
+    // Structures are filled with particles that fit them; only what contains fluid has to fit the lattice.
+    let walls = body_shapes(world).into_iter().filter(|(_, _, is_structure)| !is_structure);
+    let walls = walls.map(|(name, body, _)| (format!("walls.{name}"), body.shape));
+    fluids.chain(walls).filter_map(|(path, shape)| sides_off_lattice(&path, &shape, &resolution)).collect()
+}
+
+fn sides_off_lattice(path: &str, shape: &Shape, resolution: &Resolution) -> Option<Invalid> {
+    let Shape::Box { min, max } = shape else { return None };
+    let mut found = Vec::new();
+    for (corner, point) in [("min", min.position()), ("max", max.position())] {
+        for (axis, name) in ["x", "y", "z"].iter().enumerate().take(resolution.dimension) {
+            let cells = point[axis] / resolution.spacing;
+            if (cells - cells.round()).abs() > TOLERANCE {
+                found.push(format!("{name} = {} m of `{corner}`", short(point[axis])));
+            }
+        }
+    }
+    let (sides, spacing) = (found.join(", "), short(resolution.spacing));
+    let verb = if found.len() == 1 { "is not a multiple" } else { "are not multiples" };
+    (!found.is_empty())
+        .then(|| Invalid::new(format!("{path}.shape"), format!("{sides} {verb} of the spacing {spacing} m")))
+}
+
+/// A shape is thin if it is less than this (in spacings) across along some axis.
+const THIN: f64 = 3.0;
+
+/// Greatest relative difference between the size of a thin shape and that of its particles.
+const THIN_ERROR: f64 = 0.1;
+
+/// Fluids so thin that their particles are much more or less than their shape.
+pub(super) fn thin_fluids(world: &mut World) -> Vec<Invalid> {
+    let resolution = *world.resource::<Resolution>();
+    let Resolution { dimension, spacing, .. } = resolution;
+    let thin = |(k, (shape, _)): (usize, &(Shape, f64))| {
+        let (low, high) = shape.bounds();
+        let across = (high - low).to_array()[..dimension].iter().copied().fold(f64::INFINITY, f64::min) / spacing;
+        let exact = shape.measure(dimension).filter(|_| across < THIN)?;
+        let cells = lattice(shape, dimension, spacing, glam::DVec3::ZERO, 0.0).len();
+        let share = cells as f64 * resolution.particle_volume() / exact;
+        let message = format!(
+            "it is {} spacings thin, and its particles fill {} % of it: a finer spacing is needed",
+            short(across),
+            short(100.0 * share)
+        );
+        ((share - 1.0).abs() > THIN_ERROR).then(|| Invalid::new(format!("fluids.{k}.shape"), message))
+    };
+    world.resource::<FilledFluids>().fluids.iter().enumerate().filter_map(thin).collect()
+}
+
+/// Phases without a particle.
+pub(super) fn unused_phases(world: &mut World) -> Vec<Invalid> {
+    let all = phases(world);
+    let particles = &world.resource::<FilledFluids>().particles;
+    let unused = all.iter().filter(|(phase, _)| particles.get(phase.index as usize).is_none_or(|count| *count == 0));
+    unused.map(|(phase, _)| Invalid::new(format!("phases.{}", phase.name), "no fluid is of this phase")).collect()
+}
