@@ -25,12 +25,15 @@ const TANK: &str = r#"Scene(
     log: (particles: 0.005, series: 0.0025),
 )"#;
 
+/// Memory (bytes) that one log may take.
+const MOST_MEMORY: usize = 64 << 20;
+
 fn main() -> ExitCode {
     let folder = std::env::temp_dir().join(format!("storegga-fuzz-{}", process::id()));
     fs::create_dir_all(&folder).expect("the folder for temporary files can be written");
     let log = whole_log(&folder.join("seed.mcap"));
     let files = [folder.join("torn.mcap"), folder.join("out.mcap"), folder.join("copy.mcap")];
-    let code = fuzz("recover", |random| {
+    let code = fuzz("recover", MOST_MEMORY, |random| {
         let mut bytes = log.clone();
         for _ in 0..=random.below(3) {
             damage(&mut bytes, random);

@@ -31,9 +31,6 @@ unsafe impl GlobalAlloc for Watched {
 #[global_allocator]
 static ALLOCATOR: Watched = Watched;
 
-/// Memory (bytes) that one case may take.
-const MOST_MEMORY: usize = 64 << 20;
-
 /// Duration after which a case counts as one that does not end.
 const LONGEST: Duration = Duration::from_secs(20);
 
@@ -56,8 +53,8 @@ impl Random {
 }
 
 /// Runs `case` with other random numbers again and again: for `--seconds` (60 by default), or once with those of `--case`.
-/// A case that panics, asks for too much memory or does not end is told with its number, and ends the program with 1.
-pub fn fuzz(name: &str, mut case: impl FnMut(&mut Random)) -> ExitCode {
+/// A case that panics, asks for more than `most_memory` bytes or does not end is told with its number, and ends the program with 1.
+pub fn fuzz(name: &str, most_memory: usize, mut case: impl FnMut(&mut Random)) -> ExitCode {
     let options: Vec<String> = env::args().collect();
     let option = |name: &str| {
         let at = options.iter().position(|option| option == name)?;
@@ -73,7 +70,7 @@ pub fn fuzz(name: &str, mut case: impl FnMut(&mut Random)) -> ExitCode {
         MOST.store(before, Ordering::Relaxed);
         let done = catch_unwind(AssertUnwindSafe(|| case(&mut Random(number << 16))));
         let most = MOST.load(Ordering::Relaxed) - before;
-        if done.is_err() || most > MOST_MEMORY {
+        if done.is_err() || most > most_memory {
             let what = if done.is_err() { "panicked".to_owned() } else { format!("took {most} bytes of memory") };
             eprintln!("{name}: case {number} {what}; `--case {number}` runs it again");
             return ExitCode::FAILURE;
