@@ -14,6 +14,7 @@
 //! Everything before the last [`LogWriter::flush`] stays readable if the process is killed; such a torn log has
 //! no summary and must be read from its start: [`read_log`] does, and [`recover_log`] makes a whole log of it.
 
+mod chunk;
 mod doctor;
 mod error;
 mod facts;
@@ -26,6 +27,7 @@ mod read;
 mod record;
 mod recover;
 mod reopen;
+mod resync;
 mod series;
 mod writer;
 

@@ -16,6 +16,7 @@ use mcap::records::{ChunkHeader, MessageHeader, Metadata, op};
 use mcap::{Attachment, Channel, MAGIC, Schema};
 
 use super::LogError;
+use super::chunk::unpack_checked;
 use super::record::{HEAD, LONGEST_CHUNK_HEADER, Record, chunk_header, footer, is_opcode, parse, split, split_head};
 
 /// What is found in a log, in the order of the file.
@@ -69,43 +70,36 @@ pub fn read_log(path: &Path, visit: impl FnMut(Piece<'_>) -> Result<(), LogError
 /// Compressed and uncompressed bytes of the largest record that is believed: a frame of some eighty million particles.
 const LARGEST: u64 = 1 << 32;
 
-/// Largest window that a compressed chunk may ask the memory for, as a power of two: that of zstd's level 19.
-const WINDOW_LOG: u32 = 23;
-
-/// How the name of its compression stands in a chunk, and where in its record: what a search for a chunk goes by.
-const MARK: &[u8; 8] = b"\x04\0\0\0zstd";
-const MARK_OFFSET: u64 = HEAD + 28;
-
 /// Why a record is not taken.
-enum Fault {
+pub(super) enum Fault {
     /// It is damaged; the log goes on.
     Damage(Cow<'static, str>),
     /// The file cannot be read any further, or nobody wants to.
     Stop(LogError),
 }
 
-impl From<&'static str> for Fault {
-    fn from(what: &'static str) -> Self {
+impl<T: Into<Cow<'static, str>>> From<T> for Fault {
+    fn from(what: T) -> Self {
         Self::Damage(what.into())
     }
 }
 
-struct Reader<V> {
+pub(super) struct Reader<V> {
     path: PathBuf,
     file: BufReader<File>,
-    size: u64,
+    pub(super) size: u64,
     /// Offset of the next byte.
-    at: u64,
+    pub(super) at: u64,
     /// Where the file is; it is ahead while a record is only looked at.
     file_at: u64,
     /// CRC-32 of everything so far, unless a part was left out.
-    checksum: Option<crc32fast::Hasher>,
+    pub(super) checksum: Option<crc32fast::Hasher>,
     /// Where the index starts, if it is whole.
     summary_start: Option<u64>,
     schemas: BTreeMap<u16, Arc<Schema<'static>>>,
     channels: BTreeMap<u16, Channel<'static>>,
     /// A record, and the records of a chunk; kept so that their memory is used again.
-    body: Vec<u8>,
+    pub(super) body: Vec<u8>,
     records: Vec<u8>,
     is_damaged: bool,
     visit: V,
@@ -256,7 +250,7 @@ impl<V: FnMut(Piece<'_>) -> Result<(), LogError>> Reader<V> {
     }
 
     /// Reads a chunk whose record has `length` bytes and unpacks its records.
-    fn load_chunk(&mut self, length: u64) -> Result<ChunkHeader, Fault> {
+    pub(super) fn load_chunk(&mut self, length: u64) -> Result<ChunkHeader, Fault> {
         // Its sizes are compared before memory is asked for: a length that is wrong is wrong in one place only.
         self.fill(self.at, HEAD + LONGEST_CHUNK_HEADER as u64).map_err(Fault::Stop)?;
         let read = self.body.get(HEAD as usize..).and_then(chunk_header);
@@ -267,18 +261,7 @@ impl<V: FnMut(Piece<'_>) -> Result<(), LogError>> Reader<V> {
         let start = self.at;
         self.load(HEAD + length)?;
         let stored = &self.body[(HEAD + header_length) as usize..];
-        self.records.clear();
-        let unpacked = match header.compression.as_str() {
-            "" => Read::take(stored, LARGEST).read_to_end(&mut self.records),
-            "zstd" => zstd::stream::read::Decoder::with_buffer(stored).and_then(|mut decoder| {
-                decoder.window_log_max(WINDOW_LOG)?;
-                // Grows with what is there, whatever size the header tells.
-                decoder.take(header.uncompressed_size.saturating_add(1)).read_to_end(&mut self.records)
-            }),
-            other => return Err(Fault::Damage(format!("a chunk in a compression that is not read: {other}").into())),
-        };
-        let is_right = unpacked.is_ok_and(|length| length as u64 == header.uncompressed_size)
-            && (header.uncompressed_crc == 0 || crc32fast::hash(&self.records) == header.uncompressed_crc);
+        let is_right = unpack_checked(stored, &header, &mut self.records)?;
         if is_right {
             return Ok(header);
         }
@@ -309,74 +292,6 @@ impl<V: FnMut(Piece<'_>) -> Result<(), LogError>> Reader<V> {
             self.damage(self.at, 0, &what).map_err(Fault::Stop)?;
         }
         (self.visit)(Piece::Chunk(header)).map_err(Fault::Stop)
-    }
-
-    /// Tells of the damage at `start` and goes on behind it: at `next` if a record is there, else at the next chunk.
-    fn go_on(&mut self, start: u64, next: Option<u64>, what: &str) -> Result<(), LogError> {
-        let next = match next {
-            Some(next) if self.are_records(next)? => next,
-            _ => self.find_chunk(start + 1)?,
-        };
-        self.damage(start, next - start, what)?;
-        self.checksum = None;
-        self.at = next;
-        Ok(())
-    }
-
-    /// Whether records can follow each other from `offset` on. One head alone can be chance: so are some bytes of every chunk.
-    fn are_records(&mut self, mut offset: u64) -> Result<bool, LogError> {
-        const HEADS: usize = 8;
-        for _ in 0..HEADS {
-            let Some((opcode, length)) = self.plausible_head(offset)? else { return Ok(offset == self.size) };
-            offset += HEAD + length;
-            if opcode == op::FOOTER {
-                return Ok(offset + MAGIC.len() as u64 == self.size);
-            }
-        }
-        Ok(true)
-    }
-
-    /// Opcode and length of the record at `offset`, if there can be one.
-    fn plausible_head(&mut self, offset: u64) -> Result<Option<(u8, u64)>, LogError> {
-        let Some(rest) = self.size.checked_sub(offset).and_then(|rest| rest.checked_sub(HEAD)) else { return Ok(None) };
-        self.fill(offset, HEAD)?;
-        let head = split_head(&self.body).map(|(opcode, length, _)| (opcode, length));
-        Ok(head.filter(|(opcode, length)| is_opcode(*opcode) && *length <= rest))
-    }
-
-    /// Offset of the first chunk from `from` on that is whole; the end of the file if there is none.
-    fn find_chunk(&mut self, from: u64) -> Result<u64, LogError> {
-        let mut from = from + MARK_OFFSET;
-        while let Some(mark) = self.find_mark(from)? {
-            let start = mark - MARK_OFFSET;
-            self.at = start;
-            if let Some((op::CHUNK, length)) = self.plausible_head(start)? {
-                match self.load_chunk(length) {
-                    Ok(_) => return Ok(start),
-                    Err(Fault::Stop(error)) => return Err(error),
-                    Err(Fault::Damage(_)) => {}
-                }
-            }
-            from = mark + 1;
-        }
-        Ok(self.size)
-    }
-
-    /// Offset of the first [`MARK`] from `from` on.
-    fn find_mark(&mut self, mut from: u64) -> Result<Option<u64>, LogError> {
-        const BLOCK: u64 = 1 << 20;
-        while from < self.size {
-            self.fill(from, BLOCK)?;
-            if self.body.is_empty() {
-                break;
-            }
-            if let Some(found) = self.body.windows(MARK.len()).position(|bytes| bytes == MARK) {
-                return Ok(Some(from + found as u64));
-            }
-            // Blocks overlap by what a mark across their border needs.
-            from += (self.body.len().saturating_sub(MARK.len() - 1) as u64).max(1);
-        }
-        Ok(None)
     }
 
     /// Looks for the index at the end. It repeats schemas and channels, so that messages are understood even where the chunk
@@ -414,7 +329,7 @@ impl<V: FnMut(Piece<'_>) -> Result<(), LogError>> Reader<V> {
         Ok(())
     }
 
-    fn damage(&mut self, offset: u64, bytes: u64, what: &str) -> Result<(), LogError> {
+    pub(super) fn damage(&mut self, offset: u64, bytes: u64, what: &str) -> Result<(), LogError> {
         self.is_damaged = true;
         (self.visit)(Piece::Damage(Damage { offset, bytes, what: what.to_owned() }))
     }
@@ -433,7 +348,7 @@ impl<V: FnMut(Piece<'_>) -> Result<(), LogError>> Reader<V> {
     }
 
     /// Reads up to `length` bytes at `offset` into the body.
-    fn fill(&mut self, offset: u64, length: u64) -> Result<(), LogError> {
+    pub(super) fn fill(&mut self, offset: u64, length: u64) -> Result<(), LogError> {
         let fail = |error| LogError::new(&self.path, "read", error);
         // Relative, for what is near is in the buffer already.
         self.file.seek_relative(offset.wrapping_sub(self.file_at).cast_signed()).map_err(fail)?;

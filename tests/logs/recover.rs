@@ -101,6 +101,36 @@ fn a_damaged_chunk_is_left_out_and_the_others_are_kept() {
     assert!(json["damages"][0]["what"].as_str().unwrap().contains("a chunk with messages from 0.0"), "{json}");
 }
 
+/// A few damaged bytes can unpack to gigabytes; no memory is taken for them.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_chunk_that_unpacks_to_far_more_than_it_should_takes_no_memory() {
+    use std::io::Read;
+
+    let folder = Folder::new("bomb");
+    let log = folder.log();
+    let (first, size) = (chunks(&log)[2].start, 1_u64 << 29);
+    let packed = zstd::encode_all(std::io::repeat(0).take(size), 1).unwrap();
+    let mut bomb = vec![0; 16];
+    bomb.extend([size.to_le_bytes(), packed.len().to_le_bytes()].as_flattened());
+    // Between the two sizes: a checksum that is wrong, and the name of the compression behind its length.
+    bomb.splice(24..24, *b"\x01\0\0\0\x04\0\0\0zstd");
+    bomb.extend(packed);
+    let head = [&[6][..], &bomb.len().to_le_bytes()].concat();
+    let mut damaged = log.clone();
+    damaged.splice(first..first, [head, bomb].concat());
+
+    let most_memory = || {
+        let status = fs::read_to_string("/proc/self/status").unwrap();
+        let line = status.lines().find(|line| line.starts_with("VmHWM:")).unwrap().to_owned();
+        line.split_whitespace().nth(1).unwrap().parse::<u64>().unwrap() << 10
+    };
+    let before = most_memory();
+    assert_eq!(messages(&recovered(&folder, &damaged).unwrap()), messages(&log));
+    let taken = most_memory() - before;
+    assert!(taken < size / 4, "{taken} bytes");
+}
+
 #[test]
 fn a_log_goes_on_after_its_copy() {
     let folder = Folder::new("goes-on");
