@@ -17,6 +17,9 @@ pub enum Limit {
     Acceleration,
     /// An output or the end was nearer than the stable step.
     Output,
+    /// A term that a plugin brings: a system after [`Stage::TimeStep`](crate::schedule::Stage::TimeStep) that makes
+    /// [`stable_time_step`](Clock::stable_time_step) smaller.
+    Plugin,
 }
 
 impl fmt::Display for Limit {
@@ -26,6 +29,7 @@ impl fmt::Display for Limit {
             Self::Viscosity => "viscosity",
             Self::Acceleration => "acceleration",
             Self::Output => "output",
+            Self::Plugin => "plugin",
         })
     }
 }

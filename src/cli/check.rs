@@ -110,6 +110,7 @@ fn time_steps(world: &mut World, thread_count: usize) -> String {
             Limit::Viscosity => "the greatest viscosity that a rheology can give",
             Limit::Acceleration => "acceleration at the start",
             Limit::Output => "outputs",
+            Limit::Plugin => "a plugin",
         };
         let shown = if limit.is_finite() { format!("{} s", short(limit)) } else { "none".to_owned() };
         let _ = writeln!(text, "  Δt by {by:<13} {shown:<12} {basis}");

@@ -118,9 +118,9 @@ impl LogFailure {
 const STEP_FIELDS: [Field; 7] = [
     Field::number("step", "1", "steps done"),
     Field::number("time_step", "s", "length of the last step"),
-    Field::text("limit", "what limited the last step: a term of Eq. 19, or an output that was nearer"),
+    Field::text("limit", "what limited the last step: a term of Eq. 19, a plugin, or an output that was nearer"),
     Field::number("stable_time_step", "s", "greatest stable length of the next step, Eq. 19"),
-    Field::text("stable_limit", "the term of Eq. 19 that limits the next step"),
+    Field::text("stable_limit", "the term of Eq. 19, or the plugin, that limits the next step"),
     Field::number("greatest_speed", "m/s", "upper bound on the speed of any particle"),
     Field::number("greatest_acceleration", "m/s²", "upper bound on the acceleration of any fluid particle"),
 ];

@@ -154,7 +154,7 @@ fn worst(world: &World, fluid: &[Particle]) -> Option<(usize, BrokenLimit)> {
     let demand = |particle: &Particle| match clock.stable_limit {
         Limit::Viscosity => particle.mu / particle.rho,
         Limit::Acceleration => particle.a.length(),
-        Limit::Sound | Limit::Output => particle.v.length(),
+        Limit::Sound | Limit::Output | Limit::Plugin => particle.v.length(),
     };
     let row = (0..fluid.len()).max_by(|&a, &b| demand(&fluid[a]).total_cmp(&demand(&fluid[b])))?;
     let (value, by) = (clock.stable_time_step, clock.stable_limit);
