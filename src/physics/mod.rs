@@ -1,6 +1,7 @@
 //! The equations: one file a stage, in the order of [`Stage`](crate::schedule::Stage).
 
 mod body_force;
+mod compression_gradient;
 mod continuity;
 mod diffusion;
 pub mod divergence;
@@ -19,6 +20,7 @@ mod viscous_force;
 mod wall_impact;
 
 pub use body_force::{Gravity, Settling};
+pub use compression_gradient::{CompressionGradient, compression_gradient};
 pub use continuity::density_rate;
 pub use diffusion::{DensityDiffusion, density_diffusion};
 pub use divergence::{Advice, BrokenLimit, Cause, Divergence, DivergenceReport, NeighbourGroup, OutOfRange};

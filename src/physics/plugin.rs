@@ -9,9 +9,10 @@ use super::divergence::{OutOfRange, explain_divergence};
 use super::equation_of_state::advance_state;
 use super::integration::kick;
 use super::{
-    DensityDiffusion, Divergence, FreeSurface, Gravity, ImpactPressure, MomentumSettings, Settling, StateSettings,
-    StrainSettings, TimeStepSettings, WallImpact, density_diffusion, density_rate, drift, free_surface, ghost_pressure,
-    ghost_velocity, momentum, next_time_step, pair_kernel, strain_rate, wall_impact,
+    CompressionGradient, DensityDiffusion, Divergence, FreeSurface, Gravity, ImpactPressure, MomentumSettings,
+    Settling, StateSettings, StrainSettings, TimeStepSettings, WallImpact, compression_gradient, density_diffusion,
+    density_rate, drift, free_surface, ghost_pressure, ghost_velocity, momentum, next_time_step, pair_kernel,
+    strain_rate, wall_impact,
 };
 use crate::app::StoreggaApp;
 use crate::schedule::Stage;
@@ -33,7 +34,7 @@ impl Plugin for PhysicsPlugin {
             .register_scene_section::<Settling>()
             .register_scene_section::<TimeStepSettings>();
 
-        app.register_particle_column::<ImpactPressure>();
+        app.register_particle_column::<ImpactPressure>().register_particle_column::<CompressionGradient>();
 
         let time_step = || (next_time_step, explain_divergence.run_if(|out: Res<OutOfRange>| out.0)).chain();
 
@@ -44,7 +45,11 @@ impl Plugin for PhysicsPlugin {
             .set_stage(Stage::GhostVelocity, ghost_velocity, ghost_velocity)
             .set_stage(Stage::StrainRate, strain_rate::<2>, strain_rate::<3>)
             .set_stage(Stage::Continuity, density_rate::<2>, density_rate::<3>)
-            .set_stage(Stage::Diffusion, density_diffusion::<2>, density_diffusion::<3>)
+            .set_stage(
+                Stage::Diffusion,
+                (compression_gradient::<2>, density_diffusion::<2>).chain(),
+                (compression_gradient::<3>, density_diffusion::<3>).chain(),
+            )
             .set_stage(Stage::State, advance_state, advance_state)
             .set_stage(Stage::FreeSurface, free_surface::<2>, free_surface::<3>)
             .set_stage(Stage::GhostPressure, ghost_pressure, ghost_pressure)

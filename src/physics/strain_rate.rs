@@ -55,7 +55,7 @@ pub struct Flow<const D: usize> {
     volume: f64,
 }
 
-type Matrix<const D: usize> = [[f64; D]; D];
+pub(super) type Matrix<const D: usize> = [[f64; D]; D];
 type Ghosts = (&'static Position, &'static GhostVelocity, &'static Volume, &'static Slip);
 
 /// Computes γ̇ of every fluid particle.
@@ -96,7 +96,7 @@ pub fn strain_rate<const D: usize>(
                     }
                 }
             });
-            let l = if settings.gradient_correction { times_inverse(l, k) } else { l };
+            let l = if settings.gradient_correction { times_inverse(l, k, LEAST_DETERMINANT) } else { l };
             shear_rate.0 = shear_rate_of(&l);
         });
     }
@@ -113,11 +113,16 @@ fn shear_rate_of<const D: usize>(l: &Matrix<D>) -> f64 {
 /// neighbourhood).
 pub(crate) const LEAST_DETERMINANT: f64 = 0.1;
 
-/// `L K⁻¹`, K⁻¹ being the transposed matrix of cofactors over the determinant.
-fn times_inverse<const D: usize>(l: Matrix<D>, k: Matrix<D>) -> Matrix<D> {
+/// `L K⁻¹` of gradients in rows, K⁻¹ being the transposed matrix of cofactors over the determinant; L itself where the
+/// determinant is less than `least`.
+pub(super) fn times_inverse<const ROWS: usize, const D: usize>(
+    l: [[f64; D]; ROWS],
+    k: Matrix<D>,
+    least: f64,
+) -> [[f64; D]; ROWS] {
     let cofactors: Matrix<D> = from_fn(|a| from_fn(|b| cofactor(&k, a, b)));
     let determinant: f64 = (0..D).map(|b| k[0][b] * cofactors[0][b]).sum();
-    if determinant.abs() < LEAST_DETERMINANT {
+    if determinant.abs() < least {
         return l;
     }
     from_fn(|a| from_fn(|b| (0..D).map(|c| l[a][c] * cofactors[b][c]).sum::<f64>() / determinant))

@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::columns::Depths;
-use super::geometry::{LatticeIndex, Point, RigidRotation, Shape, coordinates, corners, lattice};
+use super::geometry::{LatticeIndex, Point, RigidRotation, Shape, coordinates, corners, lattice, solid_particles};
 use super::limits::{limit_memory, limit_particles};
 use super::{Invalid, Resolution, SceneFacts, SceneInfo, SceneSection, SectionError};
 use crate::boundary::{Body, BodyShape, Motion, Structure, body_shapes};
@@ -43,9 +43,53 @@ pub struct FluidSpec {
     /// Pressure at the start.
     #[serde(default)]
     pub pressure: InitialPressure,
+    /// How its particles are placed.
+    #[serde(default)]
+    pub filling: Filling,
+}
+
+/// How the particles of a fluid are placed.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub enum Filling {
+    /// On the lattice that all fluids share, so that there is no seam where they meet.
+    #[default]
+    Lattice,
+    /// Along the surface of the shape, as in structures: rings in a circle or cylinder, shells in a sphere, a lattice stretched to
+    /// fit in a box. In a round container it leaves no steps at the wall, whose pressure would be rough. Not with a
+    /// `Hydrostatic` pressure.
+    Fitted,
 }
 
 impl FluidSpec {
+    /// The places of its particles, before bodies displace them; it is the fluid number `k` of the scene.
+    fn places(&self, k: usize, resolution: &Resolution) -> Vec<Seed> {
+        let Resolution { dimension, spacing, .. } = *resolution;
+        match self.filling {
+            Filling::Lattice => {
+                let points = lattice(&self.shape, dimension, spacing, DVec3::ZERO, -EDGE * spacing);
+                let volume = resolution.particle_volume();
+                points
+                    .into_iter()
+                    .map(|point| Seed { index: point.index, position: point.position, volume, fluid: k })
+                    .collect()
+            }
+            Filling::Fitted => {
+                let cell = |x: DVec3| (x / spacing).to_array().map(|cells| cells.floor() as i64);
+                let points = solid_particles(&self.shape, spacing, dimension);
+                points
+                    .into_iter()
+                    .map(|point| Seed {
+                        index: cell(point.position),
+                        position: point.position,
+                        volume: point.volume,
+                        fluid: k,
+                    })
+                    .collect()
+            }
+        }
+    }
+
     /// Velocity (m/s) at the start of what is at `x` (m).
     fn velocity_at(&self, x: DVec3) -> DVec3 {
         let turning = self.rotation.map_or(DVec3::ZERO, |rotation| rotation.velocity(x));
@@ -117,8 +161,11 @@ const EDGE: f64 = 1e-9;
 
 /// A particle to be.
 pub(super) struct Seed {
+    /// The cell of the lattice that it lies in.
     pub(super) index: LatticeIndex,
     pub(super) position: DVec3,
+    /// What it fills (m³; m² in 2D).
+    volume: f64,
     pub(super) fluid: usize,
 }
 
@@ -140,6 +187,10 @@ impl SceneSection for FluidsSection {
             } else if matches!(fluid.pressure, InitialPressure::Centrifugal(_)) {
                 return Err(Invalid::new(format!("{k}.pressure"), "`Centrifugal` needs a `rotation` of the fluid"));
             }
+            if fluid.filling == Filling::Fitted && fluid.pressure == InitialPressure::Hydrostatic {
+                let message = "`Fitted` places have no columns of layers above them: give the pressure, Uniform(0.0)";
+                return Err(Invalid::new(format!("{k}.filling"), message));
+            }
         }
         limit_memory(world, self.0.iter().map(|fluid| &fluid.shape))
     }
@@ -159,7 +210,6 @@ impl SceneSection for FluidsSection {
         };
         let depths = Depths::of(world, &seeds, &filled, |fluid| kinds[fluid].1);
         let state = choose_state(world, depths.as_ref(), &self.0)?;
-        let volume = world.resource::<Resolution>().particle_volume();
         let mut particles = Vec::with_capacity(seeds.len());
         for (id, seed) in seeds.iter().enumerate() {
             let spec = &self.0[seed.fluid];
@@ -189,7 +239,7 @@ impl SceneSection for FluidsSection {
                 Fluid,
                 (ParticleId(id as u32), PhaseIndex(phase.index), Position(seed.position)),
                 Velocity(spec.velocity_at(seed.position)),
-                (ReferenceDensity(*rho0), Density(rho), Mass(rho * volume), Pressure(p)),
+                (ReferenceDensity(*rho0), Density(rho), Mass(rho * seed.volume), Pressure(p)),
             ));
         }
         world.spawn_batch(particles);
@@ -225,14 +275,7 @@ impl FluidsSection {
             let before = seeds.len();
             limit_particles(fluid.shape.bounds(), &resolution)
                 .map_err(|invalid| invalid.under(&format!("{k}.shape")))?;
-            let points = lattice(
-                &fluid.shape,
-                resolution.dimension,
-                resolution.spacing,
-                DVec3::ZERO,
-                -EDGE * resolution.spacing,
-            );
-            for point in points {
+            for point in fluid.places(k, &resolution) {
                 if !periodic.contains(point.position) {
                     let message = format!("reaches beyond the periodic sides at {}", place(point.position));
                     return Err(Invalid::new(format!("{k}.shape"), message));
@@ -241,12 +284,12 @@ impl FluidsSection {
                     Place::Free => {}
                     Place::Beside => continue,
                     Place::InStructure(name) => {
-                        *displaced.entry(name.to_owned()).or_default() += resolution.particle_volume();
+                        *displaced.entry(name.to_owned()).or_default() += point.volume;
                         continue;
                     }
                     Place::InWall(name) => return Err(overlap(k, fluid, point.position, name)),
                 }
-                if let Some(&other) = taken.get(&point.index) {
+                if let Some(&other) = taken.get(&point.index).filter(|other| **other != k) {
                     // A cell whose centre lies on the common edge of two fluids belongs to the first.
                     if fluid.shape.signed_distance(point.position).abs() < 2.0 * EDGE * resolution.spacing {
                         continue;
@@ -256,7 +299,7 @@ impl FluidsSection {
                     return Err(Invalid::new(format!("{k}.shape"), message));
                 }
                 taken.insert(point.index, k);
-                seeds.push(Seed { index: point.index, position: point.position, fluid: k });
+                seeds.push(point);
             }
             if seeds.len() == before {
                 let message = format!("holds no particle at a spacing of {} m", resolution.spacing);

@@ -20,7 +20,7 @@ pub use disturbance::{Disturbance, WaveMode};
 pub use document::{Document, Named, Node, flatten, nearest};
 pub use files::{SceneFiles, scene_file};
 pub(crate) use fluids::WALL_CLEARANCE;
-pub use fluids::{FilledFluids, FluidSpec, FluidsSection, InitialPressure};
+pub use fluids::{FilledFluids, Filling, FluidSpec, FluidsSection, InitialPressure};
 pub use header::{Header, Periodic, Resolution, SceneInfo};
 pub use hydrostatics::{Column, Layer};
 pub use invalid::Invalid;

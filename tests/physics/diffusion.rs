@@ -8,7 +8,7 @@ use storegga::particles::{DensityRate, Fluid, Position, ReferenceDensity};
 use storegga::physics::EquationOfState;
 use storegga::scene::Resolution;
 
-use crate::support::{app, disturb, evaluate, periodic_box, press, tank};
+use crate::support::{app, cube, disturb, evaluate, is_inside_cube, periodic_box, press, tank};
 
 /// A periodic bar 2 m long.
 fn bar(dimension: usize) -> String {
@@ -53,7 +53,7 @@ fn a_wave_of_compression_is_damped_as_by_its_laplacian() {
 
 #[test]
 fn two_liquids_under_one_pressure_do_not_diffuse_into_each_other() {
-    for diffusion in ["Molteni", "Hydrostatic"] {
+    for diffusion in ["Molteni", "Hydrostatic", "Antuono"] {
         let text = periodic_box(2).replace("phases:", &format!("diffusion: {diffusion}(delta: 0.1), phases:"));
         let mut app = app(&text, &[]);
         let world = app.world_mut();
@@ -84,10 +84,36 @@ fn drift(diffusion: &str, dimension: usize) -> f64 {
 }
 
 #[test]
-fn the_hydrostatic_form_leaves_a_column_at_rest_alone() {
+fn the_corrected_forms_leave_a_column_at_rest_alone() {
     for dimension in [2, 3] {
-        let (plain, corrected) = (drift("Molteni", dimension), drift("Hydrostatic", dimension));
+        let plain = drift("Molteni", dimension);
         assert!(plain > 0.1, "{dimension}D: the plain form drifts by {plain} only: nothing was tested");
-        assert!(corrected < 1e-10, "{dimension}D: {corrected}");
+        for form in ["Hydrostatic", "Antuono"] {
+            let corrected = drift(form, dimension);
+            assert!(corrected < 1e-10, "{form} in {dimension}D: {corrected}");
+        }
+    }
+}
+
+/// In a fluid that turns like a rigid body β = 1 + ½ ρ0 ω² r²/B has the Laplacian 2 ρ0 ω²/B: by the plain form it grows by
+/// δ h c ρ0 times that everywhere, for ever.
+#[test]
+fn the_form_of_antuono_leaves_a_rigid_rotation_alone() {
+    let (scene, omega) = (cube(2, 20, "diffusion: Molteni(delta: 0.1),"), 1.0);
+    for (form, least, most) in [("Molteni", 0.9, 1.1), ("Hydrostatic", 0.9, 1.1), ("Antuono", -0.01, 0.01)] {
+        let mut app = app(&scene.replace("Molteni", form), &[]);
+        let world = app.world_mut();
+        press(world, |x| 0.5 * 1000.0 * omega * omega * x.distance_squared(DVec3::new(0.5, 0.5, 0.0)));
+        evaluate(world);
+        let (b, h) =
+            (world.resource::<EquationOfState>().bulk_modulus, world.resource::<Resolution>().smoothing_length);
+        let plain = 0.1 * h * (b / 1000.0_f64).sqrt() * 1000.0 * 2.0 * 1000.0 * omega * omega / b;
+        for (x, rate) in world.query_filtered::<(&Position, &DensityRate), With<Fluid>>().iter(world) {
+            // Two kernel radii from the surface: the slopes of the neighbours are those of full neighbourhoods too.
+            if is_inside_cube(x.0, 2, 20, 0.37) {
+                let found = rate.0 / plain;
+                assert!(found > least && found < most, "{form} at {}: {found}", x.0);
+            }
+        }
     }
 }

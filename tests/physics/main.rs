@@ -7,6 +7,7 @@ mod conservation;
 mod determinism;
 mod diffusion;
 mod divergence;
+mod filling;
 mod free_surface;
 mod ghosts;
 mod kernels;

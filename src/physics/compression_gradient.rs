@@ -1,0 +1,74 @@
+//! Gradient of the compression β = ρ/ρ0, for the density diffusion of Antuono et al. 2010.
+//!
+//! `⟨∇β⟩_i = Σ_j V_j (β_j − β_i) ∇_iW_ij K_i⁻¹`, `K_i = Σ_j V_j (x_j − x_i) ⊗ ∇_iW_ij`, j over fluid particles of every phase:
+//! exact for a linear β, at surfaces, walls and in corners too. K_i is a number times the unit matrix in a full neighbourhood; where its
+//! determinant is less than a tenth of what that would be with the trace of K_i, neighbours lie on one side or in a row, and
+//! the gradient stays as it is.
+
+use bevy_ecs::prelude::*;
+use glam::DVec3;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::DensityDiffusion;
+use super::strain_rate::{Matrix, times_inverse};
+use crate::neighbours::{Neighbours, sum_pairs};
+use crate::particles::{
+    Density, Fluid, GRAIN, Gather, Gathered, Mass, PIECE, Position, ReferenceDensity, Solid, Vector, Wall, columns,
+};
+
+/// ⟨∇β⟩ (1/m) of a fluid particle; kept only where the diffusion asks for it.
+#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct CompressionGradient(pub DVec3);
+
+/// Least determinant of K over that of an isotropic one with the same trace.
+const LEAST_RATIO: f64 = 0.1;
+
+/// β and the volume with which a particle counts: 0 for walls and structures, which take no part.
+#[derive(Debug, Clone, Copy)]
+pub struct Filling {
+    beta: f64,
+    volume: f64,
+}
+
+/// Computes ⟨∇β⟩ of every fluid particle.
+pub fn compression_gradient<const D: usize>(
+    diffusion: Res<DensityDiffusion>,
+    neighbours: Res<Neighbours>,
+    mut gather: Local<Gather<D, Filling>>,
+    mut fluid: Query<(&Position, &Mass, &Density, &ReferenceDensity, &mut CompressionGradient), With<Fluid>>,
+    walls: Query<&Position, With<Wall>>,
+    structures: Query<&Position, With<Solid>>,
+) -> Result {
+    if !matches!(*diffusion, DensityDiffusion::Antuono { .. }) {
+        return Ok(());
+    }
+    let [walls, structures] = [columns(&walls), columns(&structures)].map(|x: &[Position]| {
+        move |b: usize| Gathered { position: x[b].0.into(), state: Filling { beta: 1.0, volume: 0.0 } }
+    });
+    for (x, m, rho, rho0, mut gradient) in fluid.contiguous_iter_mut()? {
+        let own = |i: usize| Gathered {
+            position: x[i].0.into(),
+            state: Filling { beta: rho[i].0 / rho0[i].0, volume: m[i].0 / rho[i].0 },
+        };
+        let records = gather.fill(&neighbours.rows, own, walls, structures);
+        let out = gradient.bypass_change_detection().par_iter_mut().with_min_len(GRAIN).with_max_len(PIECE);
+        out.enumerate().for_each(|(i, gradient)| {
+            let own = &records[i];
+            let (mut slope, mut k): ([[f64; D]; 1], Matrix<D>) = ([[0.0; D]], [[0.0; D]; D]);
+            sum_pairs(own, neighbours.fluid.of(i), records, |other, pair| {
+                let volume_grad_w = pair.grad_w() * other.volume;
+                for b in 0..D {
+                    slope[0][b] += (other.beta - own.state.beta) * volume_grad_w.0[b];
+                    for a in 0..D {
+                        k[a][b] -= pair.r_ij.0[a] * volume_grad_w.0[b];
+                    }
+                }
+            });
+            let trace: f64 = (0..D).map(|a| k[a][a]).sum();
+            let [corrected] = times_inverse(slope, k, LEAST_RATIO * (trace / D as f64).powi(D as i32));
+            gradient.0 = Vector(corrected).into();
+        });
+    }
+    Ok(())
+}
