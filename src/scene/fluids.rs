@@ -178,7 +178,9 @@ impl SceneSection for FluidsSection {
             return Err(Invalid::new("", "a scene needs at least one fluid"));
         }
         for (k, fluid) in self.0.iter().enumerate() {
-            fluid.shape.check(dimension).map_err(|invalid| invalid.under("shape").under(&k.to_string()))?;
+            let at_shape = |invalid: Invalid| invalid.under("shape").under(&k.to_string());
+            fluid.shape.check(dimension).map_err(at_shape)?;
+            limit_particles(fluid.shape.bounds(), world.resource::<Resolution>()).map_err(at_shape)?;
             if let Some(velocity) = fluid.velocity {
                 coordinates(velocity, dimension).map_err(|invalid| invalid.under(&format!("{k}.velocity")))?;
             }
@@ -273,8 +275,6 @@ impl FluidsSection {
         let mut seeds = Vec::new();
         for (k, fluid) in self.0.iter().enumerate() {
             let before = seeds.len();
-            limit_particles(fluid.shape.bounds(), &resolution)
-                .map_err(|invalid| invalid.under(&format!("{k}.shape")))?;
             for point in fluid.places(k, &resolution) {
                 if !periodic.contains(point.position) {
                     let message = format!("reaches beyond the periodic sides at {}", place(point.position));
