@@ -60,8 +60,8 @@ pub fn compression_gradient<const D: usize>(
                 let volume_grad_w = pair.grad_w() * other.volume;
                 for b in 0..D {
                     slope[0][b] += (other.beta - own.state.beta) * volume_grad_w.0[b];
-                    for a in 0..D {
-                        k[a][b] -= pair.r_ij.0[a] * volume_grad_w.0[b];
+                    for (row, r) in k.iter_mut().zip(pair.r_ij.0) {
+                        row[b] -= r * volume_grad_w.0[b];
                     }
                 }
             });
