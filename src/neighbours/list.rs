@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use crate::kernels::PairKernel;
 use crate::particles::{Gathered, PIECE, Vector};
 
 /// Owners that share one piece of memory; lists are built and their kernels evaluated piece by piece in parallel.
@@ -157,4 +158,33 @@ pub fn sum_pairs<const D: usize, T>(
         let other = &records[row as usize];
         term(&other.state, &Pair { r_ij: own.position - other.position, gradient });
     }
+}
+
+/// Pairs whose kernel is evaluated in one call by [`sum_gradients_anew`].
+const LANES: usize = 64;
+
+/// `Σ_j factor(j, r_ij) F_ij` for records whose positions are not those of the list's `F_ij = (dW/dr)/r`: it is evaluated
+/// anew.
+#[inline(always)]
+pub fn sum_gradients_anew<const D: usize, T>(
+    own: &Gathered<D, T>,
+    rows: &[u32],
+    records: &[Gathered<D, T>],
+    kernel: &dyn PairKernel,
+    factor: impl Fn(&T, Vector<D>) -> f64,
+) -> f64 {
+    let mut sum = 0.0;
+    for rows in rows.chunks(LANES) {
+        let (mut gradients, mut factors) = ([0.0; LANES], [0.0; LANES]);
+        let gradients = &mut gradients[..rows.len()];
+        for ((&row, gradient), out) in rows.iter().zip(&mut *gradients).zip(&mut factors) {
+            let other = &records[row as usize];
+            let r_ij = own.position - other.position;
+            *gradient = r_ij.dot(r_ij);
+            *out = factor(&other.state, r_ij);
+        }
+        kernel.gradients(gradients);
+        sum += gradients.iter().zip(&factors).map(|(gradient, factor)| gradient * factor).sum::<f64>();
+    }
+    sum
 }

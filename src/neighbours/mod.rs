@@ -8,6 +8,7 @@ mod sort;
 
 pub use build::{NeighbourSettings, Neighbours, NeighboursPlugin};
 pub use images::{Image, PeriodicSides};
+pub(crate) use list::sum_gradients_anew;
 pub use list::{Pair, PairList, Pairs, sum_pairs};
 
 use glam::DVec3;
