@@ -7,11 +7,11 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::Books;
-use super::sums::{BodySums, KINDS, Kind, PairForces, Worksheet, sum_blocks};
+use super::sums::{Before, BodySums, KINDS, Kind, PairForces, Worksheet, sum_blocks};
 use crate::clock::Clock;
 use crate::neighbours::PeriodicSides;
 use crate::particles::{
-    Acceleration, Density, DensityRate, Fluid, Mass, Position, ReferenceDensity, Velocity, columns,
+    Acceleration, Density, DensityRate, Fluid, Mass, Position, Pressure, ReferenceDensity, Velocity, columns,
 };
 use crate::physics::{EquationOfState, Gravity};
 
@@ -48,9 +48,10 @@ pub(super) struct StepSums {
     time_step: f64,
     /// K.
     kinetic: f64,
-    /// C before and after `ρ ← ρ + Δt dρ/dt`, and the part of the diffusion in it.
+    /// C before and after the step's change of density, and the parts of the diffusion and of resets in it.
     compression: [f64; 2],
     diffusion: f64,
+    resets: f64,
     /// Σ m v.
     momentum: DVec3,
     /// U.
@@ -73,6 +74,7 @@ impl AddAssign for StepSums {
         self.compression[0] += other.compression[0];
         self.compression[1] += other.compression[1];
         self.diffusion += other.diffusion;
+        self.resets += other.resets;
         self.momentum += other.momentum;
         self.potential += other.potential;
         self.power += other.power;
@@ -92,6 +94,7 @@ type FluidState = (
     &'static Acceleration,
     &'static Mass,
     &'static Density,
+    &'static Pressure,
     &'static DensityRate,
     &'static ReferenceDensity,
 );
@@ -101,6 +104,7 @@ type FluidColumns<'a> = (
     &'a [Acceleration],
     &'a [Mass],
     &'a [Density],
+    &'a [Pressure],
     &'a [DensityRate],
     &'a [ReferenceDensity],
 );
@@ -119,18 +123,22 @@ pub(super) fn close_step(
 ) {
     let dt = clock.time_step;
     let g = gravity_with_height(&gravity, &periodic);
-    let (x, v, a, m, rho, rate, rho0): FluidColumns<'_> = columns(&fluid);
-    let Worksheet { continuity, forces, bodies, .. } = &mut *sheet;
+    let (x, v, a, m, rho, p, rate, rho0): FluidColumns<'_> = columns(&fluid);
+    let Worksheet { before, forces, bodies, .. } = &mut *sheet;
     let of_particle = |i: usize| {
         let (x, v, a, m, rho, rho0) = (x[i].0, v[i].0, a[i].0, m[i].0, rho[i].0, rho0[i].0);
+        let before = before[i];
+        let [compression, now] = [before.density, rho].map(|rho| m * state.compression_energy(rho, rho0));
+        let integrated = rho == before.density + dt * rate[i].0;
+        let diffused = dt * (rate[i].0 - before.continuity);
         let PairForces { all, viscous, impact, ghosts, volumes } = forces[i];
-        let rho_before = rho - dt * rate[i].0;
         let body = m * a - all;
         let of_kind = [viscous, impact, ghosts, volumes, body - m * g];
         StepSums {
             kinetic: 0.5 * m * v.length_squared(),
-            compression: [rho_before, rho].map(|rho| m * state.compression_energy(rho, rho0)),
-            diffusion: m * mean_slope(&state, rho_before, rho, rho0) * dt * (rate[i].0 - continuity[i]),
+            compression: [compression, now],
+            diffusion: if integrated { m * mean_slope(&state, before.density, rho, rho0) * diffused } else { 0.0 },
+            resets: if integrated { 0.0 } else { now - compression - dt * m * before.taken_up(p[i].0, rho) },
             momentum: m * v,
             potential: -m * g.dot(x),
             power: m * a.dot(v),
@@ -151,6 +159,14 @@ pub(super) fn close_step(
 /// The scene's g (m/s²) without its components along periodic axes, where there is no height.
 pub(super) fn gravity_with_height(gravity: &Gravity, periodic: &PeriodicSides) -> DVec3 {
     DVec3::from_array([0, 1, 2].map(|axis| if periodic.0[axis].is_some() { 0.0 } else { gravity.full[axis] }))
+}
+
+impl Before {
+    /// What compression would have taken up (W/kg), had the density followed Eq. 5: half of it at the pressure before, half at
+    /// the `pressure` (Pa) and `density` (kg/m³) that it was given.
+    fn taken_up(&self, pressure: f64, density: f64) -> f64 {
+        0.5 * (self.pressure / self.density + pressure / density) * self.continuity / self.density
+    }
 }
 
 /// Mean of de/dρ = p/ρ² between two densities (kg/m³): the secant of e.
@@ -195,7 +211,7 @@ impl Ledger {
         let (duration, lag) = (0.5 * (last_dt + dt), 0.25 * (last_dt + dt));
         self.damping += now.kinetic - last.kinetic - duration * (last.power + lag * last.product);
         self.damping_impulse += now.momentum - last.momentum - duration * last.force;
-        self.resets += now.compression[0] - last.compression[1];
+        self.resets += now.compression[0] - last.compression[1] + now.resets;
         self.diffusion += now.diffusion;
         self.turnover += external + (now.potential - last.potential).abs();
     }

@@ -8,8 +8,7 @@
 //! `E(t) − E(0) = W_walls + W_body + W_damping + W_viscous + W_impact + W_diffusion + W_resets + W_ghosts + W_volumes + R`
 //!
 //! where each W (J; J/m in 2D) is work done *on* the fluid, found from its own forces, and R, the residual, is what is
-//! left: with all pair forces accounted for, the error of the integration in time. (Its greatest part is of first order in
-//! Δt: the continuity equation is evaluated with the velocity in the middle of a drift and the positions at its end.)
+//! left: with all pair forces accounted for, the error of the integration in time, of second order in Δt.
 //!
 //! **Kicks.** A half-kick of length τ takes v to v + τ a and changes K by exactly `τ Σ m a·(v + ½τ a)`. So the force
 //! `F_i` of any one kind does the work `τ (P + ½τ Q)` in it, `P = Σ F_i·v_i`, `Q = Σ F_i·a_i`. The forces of one
@@ -24,7 +23,12 @@
 //! | viscous | viscous pair forces (Eq. 12), less what walls do by them: dissipation |
 //! | impact | impact pressure of walls, less what walls do by it: dissipation |
 //! | diffusion | `Σ m (p/ρ²) Δt D_i`, exact by the secant of e over the step |
-//! | resets | C changed otherwise than by `Δt dρ/dt`: a density that is set anew |
+//! | resets | densities set anew: C changed otherwise than by `Δt dρ/dt`; within a step, less what the pressure force had put into it |
+//!
+//! **Densities set anew.** Where the free surface gives a particle another density than `ρ + Δt dρ/dt`, the pressure that acts
+//! before and after is that of the densities it had and was given, not of the one in between that nothing ever
+//! felt: `½ Δt m (p/ρ + p'/ρ') (dρ/dt)/ρ` is what the pressure force put into the compression of the particle, and
+//! the entry is `m e(ρ') − m e(ρ)` less that.
 //!
 //! **Two entries belong to the discretisation.** The continuity equation takes `p_i V_i V_j v_ij·∇_iW_ij` into
 //! compression, the pressure force does `−(p_i V_i² + p_j V_j²) v_i·∇_iW_ij`. Between two fluid particles the sum is that of
@@ -77,7 +81,7 @@ impl Plugin for BooksPlugin {
         app.add_systems(
             Step,
             (
-                sums::note_continuity.after(Stage::Continuity).before(Stage::Diffusion),
+                sums::note_before.after(Stage::Continuity).before(Stage::Diffusion),
                 pair_forces.after(Stage::Momentum).before(Stage::BodyForce),
                 ledger::close_step.after(Stage::Loads).before(Stage::SecondKick),
             )

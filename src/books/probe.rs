@@ -29,7 +29,7 @@ const ENERGY_FIELDS: [(&str, &str); 14] = [
     ("viscous", "work of the viscous force, less that of walls: dissipated"),
     ("impact", "work of the impact pressure of walls, less that of walls: dissipated"),
     ("diffusion", "compression changed by the diffusion of density"),
-    ("resets", "compression changed otherwise than by the density's rate of change"),
+    ("resets", "densities set anew: compression changed otherwise than by their rate of change"),
     ("ghosts", "pressure of ghosts, less the work of walls and the fluid's compression by them"),
     ("volumes", "what the pressure force does and the continuity equation does not take up, between fluid particles"),
     ("residual", "K + U + C less its value at the start and less all works"),

@@ -7,7 +7,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::particles::{DensityRate, Fluid, columns};
+use crate::particles::{Density, DensityRate, Fluid, Pressure, columns};
 
 /// Particles whose contributions are added up by one thread; the sums of blocks are added in their order.
 pub(super) const BLOCK: usize = 512;
@@ -60,21 +60,39 @@ impl AddAssign for BodySums {
     }
 }
 
+/// A particle before its density changes in a step.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Before {
+    /// dρ/dt (kg/m³/s) of Eq. 5, without the diffusion.
+    pub continuity: f64,
+    /// ρ (kg/m³).
+    pub density: f64,
+    /// p (Pa).
+    pub pressure: f64,
+}
+
 /// Notes of the step in progress; rows are those of the fluid table.
 #[derive(Resource, Default)]
 pub(super) struct Worksheet {
-    /// dρ/dt (kg/m³/s) of Eq. 5, before the diffusion.
-    pub continuity: Vec<f64>,
+    pub before: Vec<Before>,
     pub forces: Vec<PairForces>,
     pub bodies: BodySums,
     pub body_blocks: Vec<BodySums>,
 }
 
-/// Notes dρ/dt before the diffusion adds to it.
-pub(super) fn note_continuity(mut sheet: ResMut<Worksheet>, fluid: Query<&DensityRate, With<Fluid>>) {
-    let rates: &[DensityRate] = columns(&fluid);
-    sheet.continuity.clear();
-    sheet.continuity.extend(rates.iter().map(|rate| rate.0));
+/// Notes every particle before the diffusion adds to dρ/dt and ρ and p are new.
+pub(super) fn note_before(
+    mut sheet: ResMut<Worksheet>,
+    fluid: Query<(&DensityRate, &Density, &Pressure), With<Fluid>>,
+) {
+    let (rates, rho, p): (&[DensityRate], &[Density], &[Pressure]) = columns(&fluid);
+    let of_particle = |((rate, rho), p): ((&DensityRate, &Density), &Pressure)| Before {
+        continuity: rate.0,
+        density: rho.0,
+        pressure: p.0,
+    };
+    sheet.before.clear();
+    sheet.before.extend(rates.iter().zip(rho).zip(p).map(of_particle));
 }
 
 /// `Σ each(i)` over `0..count`, block by block.
