@@ -17,7 +17,8 @@
 //! - `Dry`: p_w = 0, for grains in air. Grains under water would be as strong as if the water above pressed on them.
 //! - `Hydrostatic`: `p_w = ρ_w g z`, z the depth below a still water level. What is left is the weight of the grains less
 //!   their buoyancy, and whatever excess pressure the flow makes counts as carried by the grains: they drain at
-//!   once. Pore pressures that build up in fast slides of fine soil are not modelled; waves above do not count.
+//!   once. Pore pressures that build up in fast slides of fine soil are not modelled; waves above do not count. While
+//!   the ground shakes, g is what acts along the gravity of the scene: up and down counts, along the ground does not.
 //!
 //! # Near free surfaces
 //!
@@ -152,7 +153,9 @@ pub(crate) fn rub(
     mut fluid: Query<Columns, With<Fluid>>,
 ) -> Result {
     let models = models_by_phase(&mut models, &phases);
-    let (up, g) = (-gravity.full.normalize_or_zero(), gravity.now.length());
+    // Shaking along the ground leaves the weight of the pore water as it is.
+    let up = -gravity.full.normalize_or_zero();
+    let g = -gravity.now.dot(up);
     for (phase, x, shear_rate, pressure, mut viscosity) in fluid.contiguous_iter_mut()? {
         (phase, x, shear_rate, pressure, viscosity.bypass_change_detection())
             .into_par_iter()

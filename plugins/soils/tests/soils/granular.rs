@@ -6,8 +6,9 @@ use storegga::app::{StopFlag, run};
 use storegga::particles::{
     Density, Fluid, Mass, PhaseIndex, Position, Pressure, ReferenceDensity, ShearRate, Velocity, Viscosity,
 };
-use storegga::physics::EquationOfState;
+use storegga::physics::{EquationOfState, Gravity};
 use storegga::scene::Resolution;
+use storegga::schedule::{Stage, Step};
 
 use crate::support::{app, set_velocity};
 
@@ -75,7 +76,18 @@ fn error(world: &mut World, below: f64) -> f64 {
 
 #[test]
 fn under_water_the_grains_carry_what_the_water_does_not() {
-    // Sand of 2000 kg/m³ 0.5 m deep below 0.5 m of water, at a shear rate of 2/s.
+    under_water(DVec3::ZERO);
+}
+
+#[test]
+fn shaking_changes_the_weight_of_the_pore_water_up_and_down_only() {
+    under_water(10.0 * DVec3::X);
+    under_water(2.0 * DVec3::Y);
+}
+
+/// Sand of 2000 kg/m³ 0.5 m deep below 0.5 m of water, at a shear rate of 2/s, in the moment in which `shaking` (m/s²) is added
+/// to the gravity of 10 m/s² and the pressure does not know it yet.
+fn under_water(shaking: DVec3) {
     let mut app = app(r#"Scene(
             dimension: 2, spacing: 0.05, gravity: (0.0, -10.0), end_time: 1.0, periodic: (x: (0.0, 0.4)),
             equation_of_state: (max_speed: 20.0),
@@ -92,13 +104,15 @@ fn under_water_the_grains_carry_what_the_water_does_not() {
             ],
             walls: { "floor": (shape: Box(min: (-1.0, -0.3), max: (1.4, 0.0)), fluid: Outside) },
         )"#);
+    let shake = move |mut gravity: ResMut<Gravity>| gravity.now += shaking;
+    app.add_systems(Step, shake.in_set(Stage::MoveBodies));
     let world = app.world_mut();
     set_velocity(world, |x| 2.0 * x.y * DVec3::X);
     let mut sand = world.query_filtered::<(&PhaseIndex, &Position, &ShearRate, &Viscosity), With<Fluid>>();
     let mut seen = 0;
     for (_, x, shear_rate, viscosity) in sand.iter(world).filter(|(phase, x, ..)| phase.0 == 1 && x.0.y > 0.1) {
-        // The buoyant weight of the sand above, (ρ − ρ_w) g.
-        let p = 1000.0 * 10.0 * (0.5 - x.0.y);
+        // The weight of sand and water above, less that of the pore water: at rest the buoyant weight (ρ − ρ_w) g z.
+        let p = 1000.0 * 10.0 * (1.5 - 2.0 * x.0.y) - 1000.0 * (10.0 - shaking.y) * (1.0 - x.0.y);
         let inertial_number = shear_rate.0 * 0.01 / (p / 2600.0_f64).sqrt();
         let stress = (0.4 + 0.3 / (0.3 / inertial_number + 1.0)) * p;
         let found = viscosity.0 * shear_rate.0;
