@@ -108,6 +108,13 @@ impl Kinematics {
         (self.center + arm + d, rate * turn + d1, acceleration * turn + rate * rate * self.axis.cross(turn) + d2)
     }
 
+    /// Where the point that is at `position` (m) was at rest: x0 = c + R(−θ) (x − c − d).
+    #[must_use]
+    pub fn rest_of(&self, position: DVec3) -> DVec3 {
+        let arm = position - self.center - self.displacement[0];
+        self.center + DQuat::from_axis_angle(self.axis, -self.angle[0]) * arm
+    }
+
     /// Angular velocity θ' e (rad/s).
     #[must_use]
     pub fn angular_velocity(&self) -> DVec3 {
