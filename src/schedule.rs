@@ -45,7 +45,7 @@ pub enum Stage {
     State,
     /// Density and pressure of what the free surface has let go.
     FreeSurface,
-    /// Pressure and volume of the ghosts, Eq. 15.
+    /// Pressure of the ghosts, Eq. 15, and the density that belongs to it.
     GhostPressure,
     /// Pressure with which walls stop fluid that comes too near.
     WallImpact,
