@@ -190,6 +190,17 @@ fn places() {
     warned("place_off_lattice", "max: (0.4, 0.2)", "max: (0.4, 0.204)");
 }
 
+/// Walls in that of the tank.
+#[test]
+fn walls() {
+    let tank = r#"walls: {"tank": (shape: Box(min: (0.0, 0.0), max: (0.4, 0.4)))}"#;
+    let and = |more: &str| tank.replace("0.4)))}", &format!("0.4))), {more}}}"));
+    let floor = "shape: Box(min: (0.1, -0.1), max: (0.3, 0.0)), fluid: Outside";
+    warned("walls_twice", tank, &and(r#""again": (shape: Box(min: (0.0, 0.0), max: (0.4, 0.4)))"#));
+    refused("walls_parting", tank, &and(&format!(r#""floor": ({floor}, motion: Translation(velocity: (0.1, 0.0)))"#)));
+    warned("walls_slip", tank, &and(r#""wide": (shape: Box(min: (-0.02, 0.0), max: (0.4, 0.4)), slip: FreeSlip)"#));
+}
+
 #[test]
 fn physics() {
     warned("physics_unused_phase", r#"phase: "mud""#, r#"phase: "water""#);

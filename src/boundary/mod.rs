@@ -3,12 +3,14 @@
 mod body;
 mod loads;
 mod motion;
+mod overlap;
 mod structures;
 mod walls;
 
 pub use body::{Body, BodyShape};
 pub use loads::{Load, Structure, force_on_particles, sum_loads};
 pub use motion::{Kinematics, Motion, TableRow, move_bodies};
+pub use overlap::LeftOut;
 pub use structures::{StructureSpec, StructuresSection};
 pub use walls::{FluidSide, WallSpec, WallsSection};
 pub(crate) use walls::{body_shapes, ghost_layer_count};
@@ -31,6 +33,7 @@ impl Plugin for BoundaryPlugin {
         app.register_scene_section::<WallsSection>().register_scene_section::<StructuresSection>();
         app.register_rebuilt::<Body>()
             .register_rebuilt::<BodyShape>()
+            .register_rebuilt::<LeftOut>()
             .register_rebuilt::<Motion>()
             .register_rebuilt::<Structure>()
             .register_rebuilt::<BodyIndex>()

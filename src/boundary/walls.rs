@@ -7,6 +7,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::body::{Body, BodyShape, spawn_body};
+use super::overlap::EarlierWalls;
 use super::{Motion, Structure};
 use crate::kernels::SmoothingKernel;
 use crate::neighbours::PeriodicSides;
@@ -14,7 +15,8 @@ use crate::particles::{Slip, Wall};
 use crate::scene::geometry::{Shape, Side, ghost_layers};
 use crate::scene::{Invalid, Resolution, SceneSection, SectionError, limit_particles};
 
-/// Section `walls`: bodies of ghost particles, by name.
+/// Section `walls`: bodies of ghost particles, by name. Where walls overlap, the first has the ghosts, and its slip holds; walls
+/// that move differently must not overlap at the start.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(transparent)]
 pub struct WallsSection(IndexMap<String, WallSpec>);
@@ -80,6 +82,7 @@ impl SceneSection for WallsSection {
         let resolution = *world.resource::<Resolution>();
         let periodic = *world.resource::<PeriodicSides>();
         let layers = ghost_layer_count(world.resource::<SmoothingKernel>(), &resolution);
+        let mut earlier = EarlierWalls::new(&resolution, layers, periodic);
         for (index, (name, wall)) in self.0.into_iter().enumerate() {
             let side = if wall.fluid == FluidSide::Inside { Side::Outside } else { Side::Inside };
             let ghosts =
@@ -91,16 +94,25 @@ impl SceneSection for WallsSection {
                 // On the side itself, to rounding, a ghost is where it should be.
                 side == Side::Outside || there.distance(x) > 0.5 * resolution.spacing && wall.shape.contains(there)
             };
-            let ghosts: Vec<_> = ghosts.into_iter().filter(|x| periodic.contains(*x) || !continued(*x)).collect();
+            let mut ghosts: Vec<_> = ghosts.into_iter().filter(|x| periodic.contains(*x) || !continued(*x)).collect();
             if ghosts.is_empty() {
                 let message = format!("no ghost particle fits at a spacing of {} m", resolution.spacing);
                 return Err(Invalid::new(format!("{name}.shape"), message).into());
             }
-            let body = Body { name, index: index as u32 };
+            let left_out = earlier.leave_out(&mut ghosts, &wall.motion, wall.slip).map_err(|other| {
+                let message =
+                    format!("overlaps the wall `{other}`, which moves otherwise: `cut` one of them where the other is");
+                Invalid::new(format!("{name}.shape"), message)
+            })?;
             let shape = BodyShape { shape: wall.shape, solid_inside: wall.fluid == FluidSide::Outside, cut: wall.cut };
+            earlier.add(&name, &shape, &wall.motion, wall.slip, &ghosts);
+            let body = Body { name, index: index as u32 };
             let volume = resolution.particle_volume();
             let particles = ghosts.into_iter().map(|x| (x, volume));
-            spawn_body::<Wall>(world, body, shape, wall.motion, wall.slip, particles);
+            let entity = spawn_body::<Wall>(world, body, shape, wall.motion, wall.slip, particles);
+            if let Some(left_out) = left_out {
+                world.entity_mut(entity).insert(left_out);
+            }
         }
         Ok(())
     }

@@ -15,6 +15,7 @@ use super::summary::threads;
 use super::table::Table;
 use super::warnings;
 use crate::app::{end_time, open};
+use crate::boundary::LeftOut;
 use crate::clock::Limit;
 use crate::error::UserError;
 use crate::kernels::SmoothingKernel;
@@ -34,6 +35,7 @@ pub(super) fn check<P: PluginGroup>(args: &CheckArgs, plugins: fn() -> P) -> Res
 fn report(scene: &Path, world: &mut World, thread_count: usize) -> String {
     let parts = [
         head(scene, world),
+        overlaps(world),
         phase_table(world),
         time_steps(world, thread_count),
         defaults(world),
@@ -79,6 +81,17 @@ fn head(scene: &Path, world: &mut World) -> String {
         short(times.interval(OutputKind::Frames)),
         short(times.interval(OutputKind::Series)),
     )
+}
+
+/// Walls of which a part is left to the walls before them.
+fn overlaps(world: &mut World) -> String {
+    let line = |(name, left_out): (String, LeftOut)| {
+        let LeftOut { ghosts, of, walls, .. } = left_out;
+        let (ghosts, of) = (count(ghosts as u64), count(of as u64));
+        format!("  {name}: {ghosts} of {of} ghosts left out, which lie in {}\n", warnings::these(&walls))
+    };
+    let lines: String = warnings::left_out(world).into_iter().map(line).collect();
+    if lines.is_empty() { lines } else { format!("Walls that overlap:\n{lines}") }
 }
 
 fn phase_table(world: &mut World) -> String {

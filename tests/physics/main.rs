@@ -26,3 +26,4 @@ mod support;
 mod time_step;
 mod twin;
 mod viscous_forces;
+mod walls;

@@ -1,11 +1,11 @@
-//! Structures in walls.
+//! Structures in walls, and walls in one another.
 
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 
-use crate::boundary::{Body, Structure, body_shapes};
+use crate::boundary::{Body, LeftOut, Structure, body_shapes};
 use crate::neighbours::PeriodicSides;
-use crate::number::short;
+use crate::number::{count, short};
 use crate::particles::{BodyIndex, Position, Solid};
 use crate::scene::{Invalid, Resolution};
 
@@ -33,4 +33,39 @@ pub(super) fn buried_structures(world: &mut World) -> Vec<Invalid> {
         }
     }
     found
+}
+
+/// Walls of which nothing is left, or a part in another wall has that one's slip.
+pub(super) fn overlapping_walls(world: &mut World) -> Vec<Invalid> {
+    let mut found = Vec::new();
+    for (name, left_out) in left_out(world) {
+        let LeftOut { ghosts, of, walls, of_other_slip } = left_out;
+        if ghosts == of {
+            let message = format!("it lies in {} and adds nothing", these(&walls));
+            found.push(Invalid::new(format!("walls.{name}.shape"), message));
+        } else if !of_other_slip.is_empty() {
+            let message = format!(
+                "{} of its {} ghosts lie in {}, before it in the scene: there the slip of the first holds",
+                count(ghosts as u64),
+                count(of as u64),
+                these(&of_other_slip)
+            );
+            found.push(Invalid::new(format!("walls.{name}.slip"), message));
+        }
+    }
+    found
+}
+
+/// Walls that have fewer ghosts because they overlap others, in the order of the scene.
+pub(in crate::cli) fn left_out(world: &mut World) -> Vec<(String, LeftOut)> {
+    let mut query = world.query::<(&Body, &LeftOut)>();
+    let mut found: Vec<_> = query.iter(world).collect();
+    found.sort_by_key(|(body, _)| body.index);
+    found.into_iter().map(|(body, left_out)| (body.name.clone(), left_out.clone())).collect()
+}
+
+/// The wall `a`, the walls `a`, `b`.
+pub(in crate::cli) fn these(walls: &[String]) -> String {
+    let names: Vec<String> = walls.iter().map(|name| format!("`{name}`")).collect();
+    format!("the wall{} {}", if names.len() == 1 { "" } else { "s" }, names.join(", "))
 }

@@ -7,18 +7,21 @@ mod surroundings;
 
 use bevy_ecs::prelude::*;
 
+pub(super) use bodies::{left_out, these};
+
 use crate::error::UserError;
 use crate::scene::{Invalid, SceneDocument};
 
 /// Warnings about the scene of a world at its start, each with its place.
 pub(super) fn warnings(world: &mut World) -> Vec<UserError> {
-    let found: [Vec<Invalid>; 8] = [
+    let found: [Vec<Invalid>; 9] = [
         filling::off_lattice(world),
         filling::thin_fluids(world),
         filling::unused_phases(world),
         surroundings::gaps(world),
         surroundings::background_pressure(world),
         bodies::buried_structures(world),
+        bodies::overlapping_walls(world),
         speeds::fast_starts(world),
         speeds::constant_viscosities(world),
     ];
