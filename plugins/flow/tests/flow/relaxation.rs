@@ -4,10 +4,14 @@ use std::f64::consts::TAU;
 
 use bevy_ecs::prelude::*;
 use glam::DVec3;
+use storegga::clock::Clock;
+use storegga::kernels::SmoothingKernel;
+use storegga::neighbours::Neighbours;
 use storegga::outputs::OutputTimes;
 use storegga::particles::{Density, Fluid, Mass, Position, Pressure, ReferenceDensity, Velocity};
 use storegga::physics::EquationOfState;
 use storegga::probes::Series;
+use storegga::schedule::Step;
 
 use crate::support::{app, motion, refusal, run_until, stir};
 
@@ -62,6 +66,40 @@ fn the_rate_grows_into_the_zone() {
     }
     let outside = "shape: Box(min: (0.53, -9.0), max: (9.0, 9.0))";
     assert_eq!(speed_after(&format!("\"z\": ({outside}, {STILL}, rate: 30.0)"), 0.1), 0.5);
+}
+
+/// Two particles at rest, 3.08 h apart, where lists reach to 3.06 h, are driven towards each other at once: when 3 h are left
+/// between them each must be in the other's list, though neither was fast when its first step began.
+#[test]
+fn lists_follow_what_a_zone_drives() {
+    let zone = |name, x, speed| {
+        format!(
+            "\"{name}\": (shape: Box(min: ({x:?}, 0.0), max: ({:?}, 0.1)), target: Uniform(velocity: ({speed:?}, 0.0)), rate: 1e9),",
+            x + 0.1
+        )
+    };
+    let mut app = app(&format!(
+        r#"Scene(
+            dimension: 2, spacing: 0.05, smoothing_ratio: 1.2987, gravity: (0.0, 0.0), end_time: 1.0,
+            equation_of_state: (max_speed: 1.0), neighbours: (skin: 0.02), free_surface: Off,
+            phases: {{ "water": (reference_density: 1000.0, rheology: Newtonian(viscosity: 0.001)) }},
+            fluids: [
+                (phase: "water", shape: Box(min: (0.0, 0.0), max: (0.05, 0.05)), pressure: Uniform(0.0)),
+                (phase: "water", shape: Box(min: (0.2, 0.0), max: (0.25, 0.05)), pressure: Uniform(0.0)),
+            ],
+            relaxation_zones: {{ {} {} }},
+        )"#,
+        zone("left", 0.0, 1.0),
+        zone("right", 0.15, -1.0)
+    ));
+    let world = app.world_mut();
+    let radius = world.resource::<SmoothingKernel>().0.radius();
+    let distance = |world: &mut World| motion(world)[0].0.distance(motion(world)[1].0);
+    while distance(world) >= radius {
+        world.resource_mut::<Clock>().begin_step(f64::INFINITY);
+        world.run_schedule(Step);
+    }
+    assert_eq!(world.resource::<Neighbours>().fluid.of(0).rows, [1]);
 }
 
 #[test]
