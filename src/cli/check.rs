@@ -19,7 +19,7 @@ use crate::boundary::LeftOut;
 use crate::clock::Limit;
 use crate::error::UserError;
 use crate::kernels::SmoothingKernel;
-use crate::log::ParticleCounts;
+use crate::log::{Fact, ParticleCounts, fixed_numbers};
 use crate::outputs::{OutputKind, OutputTimes};
 use crate::phases::phases;
 use crate::physics::{EquationOfState, GREATEST_COMPRESSION, TimeStepSettings};
@@ -39,6 +39,7 @@ fn report(scene: &Path, world: &mut World, thread_count: usize) -> String {
         phase_table(world),
         time_steps(world, thread_count),
         defaults(world),
+        fixed(world),
         warnings::text(&warnings::warnings(world), false),
     ];
     parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n")
@@ -152,4 +153,14 @@ fn defaults(world: &World) -> String {
     let open = &world.resource::<SceneFacts>().defaults;
     let lines: String = open.iter().map(|(path, value)| format!("  {path} = {value}\n")).collect();
     if lines.is_empty() { lines } else { format!("Left open by the scene, with the value that it takes:\n{lines}") }
+}
+
+/// What no scene sets, with the digits that a reader needs; the log has all of them.
+fn fixed(world: &World) -> String {
+    let line = |fact: Fact| {
+        let value = fact.value.parse().map_or(fact.value, short);
+        format!("  {} = {value} {}", fact.name, fact.unit).trim_end().to_owned() + "\n"
+    };
+    let lines: String = fixed_numbers(world).into_iter().map(line).collect();
+    format!("Fixed by the program (cargo doc explains them):\n{lines}")
 }

@@ -9,7 +9,10 @@ use crate::neighbours::Neighbours;
 use crate::outputs::{OutputKind, OutputTimes};
 use crate::particles::{Fluid, Solid, Wall};
 use crate::phases::phases;
-use crate::physics::{EquationOfState, GREATEST_COMPRESSION, LEAST_DETERMINANT, fullness_in_front};
+use crate::physics::{
+    EquationOfState, GREATEST_COMPRESSION, LEAST_DETERMINANT, LEAST_FILLING, LEAST_RATIO, fullness_in_front,
+};
+use crate::probes::{DEPTH, DRY, LEAST_SHARE, RIM};
 use crate::scene::{Resolution, SceneInfo, WALL_CLEARANCE};
 
 /// A derived number.
@@ -78,11 +81,6 @@ pub fn derived_numbers(world: &mut World) -> Vec<Fact> {
     add("kernel_support", "m", kernel.0.radius().to_string());
     add("neighbour_reach", "m", world.resource::<Neighbours>().reach().to_string());
     add("ghost_layers", "", ghost_layer_count(&kernel, &resolution).to_string());
-    add("fluid_clearance_of_bodies", "spacings", WALL_CLEARANCE.to_string());
-    let [phi_0, phi_1] = fullness_in_front(&kernel, &resolution);
-    add("wall_impact.phi_0", "", phi_0.to_string());
-    add("wall_impact.phi_1", "", phi_1.to_string());
-    add("strain_rate.least_determinant", "", LEAST_DETERMINANT.to_string());
     add("greatest_compression", "", GREATEST_COMPRESSION.to_string());
     let clock = *world.resource::<Clock>();
     add("first_time_step", "s", clock.stable_time_step.to_string());
@@ -90,7 +88,26 @@ pub fn derived_numbers(world: &mut World) -> Vec<Fact> {
     let times = world.resource::<OutputTimes>();
     add("frame_interval", "s", times.interval(OutputKind::Frames).to_string());
     add("series_interval", "s", times.interval(OutputKind::Series).to_string());
+    facts.extend(fixed_numbers(world));
     facts
+}
+
+/// Numbers of the method and of its measures that no scene sets.
+pub fn fixed_numbers(world: &World) -> Vec<Fact> {
+    let [phi_0, phi_1] = fullness_in_front(world.resource::<SmoothingKernel>(), world.resource::<Resolution>());
+    let fixed = [
+        ("fluid_clearance_of_bodies", "spacings", WALL_CLEARANCE),
+        ("free_surface.least_filling", "", LEAST_FILLING),
+        ("wall_impact.phi_0", "", phi_0),
+        ("wall_impact.phi_1", "", phi_1),
+        ("strain_rate.least_determinant", "", LEAST_DETERMINANT),
+        ("diffusion.antuono.least_ratio", "", LEAST_RATIO),
+        ("probes.pressure_point.dry_beyond", "spacings", DRY),
+        ("probes.density_error.depth", "spacings", DEPTH),
+        ("probes.rigid_rotation_error.rim", "spacings", RIM),
+        ("probes.phase_mixing.least_share", "", LEAST_SHARE),
+    ];
+    fixed.map(|(name, unit, value)| Fact { name: name.to_owned(), unit, value: value.to_string() }).into()
 }
 
 /// The program and how it was called: its version, the end of the run (s), and the threads of the pool in which this is

@@ -36,7 +36,7 @@ mod tests;
 
 pub use doctor::{ChannelReport, Examination, examine_log};
 pub use error::LogError;
-pub use facts::{Fact, ParticleCounts, derived_numbers};
+pub use facts::{Fact, ParticleCounts, derived_numbers, fixed_numbers};
 pub use plugin::{Log, LogFailure, LogPlugin, LogSection, close_log, log_message, open_log};
 pub use points::{BODY_FIELDS, Column, FLUID_FIELDS, PointField, PointKind, PointsId};
 pub use read::{Damage, Ending, Piece, read_log};

@@ -22,7 +22,7 @@ use crate::particles::{
 pub struct CompressionGradient(pub DVec3);
 
 /// Least determinant of K over that of an isotropic one with the same trace.
-const LEAST_RATIO: f64 = 0.1;
+pub(crate) const LEAST_RATIO: f64 = 0.1;
 
 /// β and the volume with which a particle counts: 0 for walls and structures, which take no part.
 #[derive(Debug, Clone, Copy)]

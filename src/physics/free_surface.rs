@@ -55,7 +55,7 @@ impl SceneSection for FreeSurface {
 }
 
 /// φ of a point on a flat surface: below it a particle is detached.
-const HALF: f64 = 0.5;
+pub(crate) const LEAST_FILLING: f64 = 0.5;
 
 /// Sets density and pressure of every fluid particle that is detached.
 pub fn free_surface<const D: usize>(
@@ -99,7 +99,7 @@ fn is_half_filled<const D: usize>(own: &Gathered<D, f64>, pairs: Pairs<'_>, reco
         let other = &records[row as usize];
         let r_ij = own.position - other.position;
         filled -= other.state * gradient * r_ij.dot(r_ij);
-        filled >= HALF * D as f64
+        filled >= LEAST_FILLING * D as f64
     })
 }
 

@@ -24,7 +24,7 @@ pub struct DensityError {
 }
 
 /// Depth (in spacings) in a body below which a particle counts as inside.
-const DEPTH: f64 = 0.5;
+pub(crate) const DEPTH: f64 = 0.5;
 
 impl Probe for DensityError {
     fn description(&self) -> String {

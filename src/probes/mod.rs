@@ -29,6 +29,11 @@ mod surface_height;
 #[cfg(test)]
 pub(crate) mod test_support;
 
+pub(crate) use density_error::DEPTH;
+pub(crate) use phase_mixing::LEAST_SHARE;
+pub(crate) use pressure_point::DRY;
+pub(crate) use rigid_rotation::RIM;
+
 pub use center_of_mass::CenterOfMass;
 pub use channel_error::ChannelError;
 pub use channel_flow::ChannelFlow;

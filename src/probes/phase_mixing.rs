@@ -14,7 +14,7 @@ use super::{Probe, SeriesField, State};
 pub struct PhaseMixing {}
 
 /// Share of the own phase below which a particle is cut off.
-const LEAST_SHARE: f64 = 0.1;
+pub(crate) const LEAST_SHARE: f64 = 0.1;
 
 impl Probe for PhaseMixing {
     fn description(&self) -> String {

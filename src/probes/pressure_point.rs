@@ -27,7 +27,7 @@ pub struct PressurePoint {
 }
 
 /// Distance (in spacings) of the nearest particle beyond which a place is dry.
-const DRY: f64 = 1.5;
+pub(crate) const DRY: f64 = 1.5;
 
 impl Probe for PressurePoint {
     fn description(&self) -> String {

@@ -96,7 +96,7 @@ impl Probe for RigidRotationError {
 }
 
 /// Depth (in spacings) of the outermost layer below the outermost particle of the start.
-const RIM: f64 = 1.5;
+pub(crate) const RIM: f64 = 1.5;
 
 #[cfg(test)]
 mod tests {
