@@ -7,10 +7,11 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::IntoSystem;
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
+use rayon::prelude::*;
 use storegga::app::{PaperPlugins, open};
 use storegga::clock::Clock;
 use storegga::neighbours::Neighbours;
-use storegga::particles::Fluid;
+use storegga::particles::{Acceleration, Density, Fluid, GRAIN, PIECE, Velocity, Viscosity};
 use storegga::physics;
 use storegga::rheology::{HerschelBulkley, apply_flow_curve};
 use storegga::scene::Document;
@@ -28,11 +29,14 @@ fn main() {
 /// Fluid particles: of the tank at spacings of 4, 2 and 0.4 mm.
 const SPACINGS: [&str; 3] = ["0.004", "0.002", "0.0004"];
 
-/// The tank of the paper's section 3.1, after some steps.
-fn tank(spacing: &str) -> (App, u64) {
+/// The tank of the paper's section 3.1 with some values overridden, after some steps.
+fn tank(overrides: &[(&str, &str)]) -> (App, u64) {
     let text = include_str!("../scenes/two_phase_tank.ron");
-    // The probes and expectations of the shipped scene take no part in a step.
-    let document = Document::parse("two_phase_tank.ron", text).and_then(|scene| scene.set("spacing", spacing));
+    // The expectations of the shipped scene, and probes but `Books`, take no part in a step.
+    let overrides = [("expect", "[]")].into_iter().chain(overrides.iter().copied());
+    let document = overrides.fold(Document::parse("two_phase_tank.ron", text), |scene, (path, value)| {
+        scene.and_then(|scene| scene.set(path, value))
+    });
     let mut app = document.and_then(|scene| open(PaperPlugins, scene)).expect("the shipped scene is right");
     let world = app.world_mut();
     for _ in 0..3 {
@@ -43,8 +47,19 @@ fn tank(spacing: &str) -> (App, u64) {
     (app, particles)
 }
 
+const SPACING: (&str, &str) = ("spacing", "0.002");
+const ANTUONO: (&str, &str) = ("diffusion", "Antuono(delta: 0.1)");
+
 fn bench_stage<M>(bencher: Bencher<'_, '_>, stage: impl IntoSystem<(), (), M> + 'static) {
-    let (mut app, particles) = tank("0.002");
+    bench_stage_of(&[SPACING], bencher, stage);
+}
+
+fn bench_stage_of<M>(
+    overrides: &[(&str, &str)],
+    bencher: Bencher<'_, '_>,
+    stage: impl IntoSystem<(), (), M> + 'static,
+) {
+    let (mut app, particles) = tank(overrides);
     let world = app.world_mut();
     let system = world.register_system(stage);
     bencher.counter(ItemsCount::new(particles)).bench_local(|| {
@@ -82,6 +97,17 @@ fn s6_diffusion(bencher: Bencher<'_, '_>) {
     bench_stage(bencher, physics::density_diffusion::<2>);
 }
 
+/// The two stages of `Antuono(delta)`.
+#[divan::bench]
+fn s6_diffusion_antuono_gradient(bencher: Bencher<'_, '_>) {
+    bench_stage_of(&[SPACING, ANTUONO], bencher, physics::compression_gradient::<2>);
+}
+
+#[divan::bench]
+fn s6_diffusion_antuono(bencher: Bencher<'_, '_>) {
+    bench_stage_of(&[SPACING, ANTUONO], bencher, physics::density_diffusion::<2>);
+}
+
 #[divan::bench]
 fn s6_free_surface(bencher: Bencher<'_, '_>) {
     bench_stage(bencher, physics::free_surface::<2>);
@@ -108,9 +134,37 @@ fn t1_time_step(bencher: Bencher<'_, '_>) {
     bench_stage(bencher, physics::next_time_step);
 }
 
+/// What Δt alone needs, without the watch over divergence: what the watch costs is the difference.
+#[divan::bench]
+fn t2_time_step_without_watch(bencher: Bencher<'_, '_>) {
+    type Needed = (&'static Velocity, &'static Acceleration, &'static Density, &'static Viscosity);
+    fn extremes(fluid: Query<Needed, With<Fluid>>) -> Result {
+        for columns in fluid.contiguous_iter()? {
+            let each = columns.into_par_iter().with_min_len(GRAIN).with_max_len(PIECE);
+            let of = |(v, a, rho, mu): (&Velocity, &Acceleration, &Density, &Viscosity)| {
+                [v.0.length_squared(), a.0.length_squared(), mu.0 / rho.0]
+            };
+            black_box(each.map(of).reduce(|| [0.0; 3], |a, b| std::array::from_fn(|k| f64::max(a[k], b[k]))));
+        }
+        Ok(())
+    }
+    bench_stage(bencher, extremes);
+}
+
 #[divan::bench(args = SPACINGS, sample_count = 10)]
 fn step(bencher: Bencher<'_, '_>, spacing: &str) {
-    let (mut app, particles) = tank(spacing);
+    let (mut app, particles) = tank(&[("spacing", spacing)]);
+    let world = app.world_mut();
+    bencher.counter(ItemsCount::new(particles)).bench_local(|| {
+        world.resource_mut::<Clock>().begin_step(f64::INFINITY);
+        world.run_schedule(Step);
+    });
+}
+
+/// The step at 2 mm with a value overridden, to be compared with the `step` at that spacing.
+#[divan::bench(args = ["free_surface=Off", "diffusion=Antuono(delta: 0.1)", "probes={\"books\": Books()}"], sample_count = 10)]
+fn step_with(bencher: Bencher<'_, '_>, value: &str) {
+    let (mut app, particles) = tank(&[SPACING, value.split_once('=').expect("a path and a value")]);
     let world = app.world_mut();
     bencher.counter(ItemsCount::new(particles)).bench_local(|| {
         world.resource_mut::<Clock>().begin_step(f64::INFINITY);
@@ -120,7 +174,7 @@ fn step(bencher: Bencher<'_, '_>, spacing: &str) {
 
 #[divan::bench(args = ["0.002"], sample_count = 10)]
 fn step_with_new_lists(bencher: Bencher<'_, '_>, spacing: &str) {
-    let (mut app, particles) = tank(spacing);
+    let (mut app, particles) = tank(&[("spacing", spacing)]);
     let world = app.world_mut();
     bencher.counter(ItemsCount::new(particles)).bench_local(|| {
         world.resource_mut::<Neighbours>().invalidate();
