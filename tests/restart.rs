@@ -121,18 +121,21 @@ impl Folder {
     fn start_and_wait(&self, arguments: &[&str]) -> Child {
         let child = self.start(arguments);
         let start = Instant::now();
-        let first = loop {
-            match fs::read(self.checkpoint()) {
-                Ok(first) => break first,
-                Err(_) => assert!(start.elapsed() < Duration::from_secs(60), "no checkpoint appears"),
-            }
-            sleep(Duration::from_millis(1));
-        };
-        while fs::read(self.checkpoint()).unwrap() == first {
-            assert!(start.elapsed() < Duration::from_secs(60), "no second checkpoint appears");
+        while !self.checkpoint().exists() {
+            assert!(start.elapsed() < Duration::from_secs(60), "no checkpoint appears");
             sleep(Duration::from_millis(1));
         }
+        self.wait_for_another_checkpoint();
         child
+    }
+
+    /// Waits until there is another checkpoint than now.
+    fn wait_for_another_checkpoint(&self) {
+        let (start, first) = (Instant::now(), fs::read(self.checkpoint()).unwrap());
+        while fs::read(self.checkpoint()).unwrap() == first {
+            assert!(start.elapsed() < Duration::from_secs(60), "no other checkpoint appears");
+            sleep(Duration::from_millis(1));
+        }
     }
 
     /// The folder to start from again: without what runs left.
@@ -429,6 +432,35 @@ fn what_cannot_go_on_as_before_is_refused_with_the_reason() {
 
     fs::write(folder.path("runs/stream.mcap"), &log).unwrap();
     folder.run(&RESUME).is_done();
+}
+
+/// What a run has read is a part of it; what becomes of the file while it runs is not.
+#[test]
+fn a_file_of_the_scene_may_change_while_a_run_goes_on_but_not_for_its_resume() {
+    let folder = Folder::new("edited", &stream(2));
+    let quake = folder.path("quake.csv");
+    let shaking = fs::read_to_string(&quake).unwrap();
+    let edited = shaking.replace("2.0", "3.0");
+    for change in [Some(edited.as_str()), None] {
+        folder.clear();
+        let mut child = folder.start_and_wait(&[&RUN[..], &["--set", "end_time=1000.0"]].concat());
+        match change {
+            Some(edited) => fs::write(&quake, edited).unwrap(),
+            None => fs::remove_file(&quake).unwrap(),
+        }
+        // The one that is being written now may be older than the change.
+        folder.wait_for_another_checkpoint();
+        folder.wait_for_another_checkpoint();
+        let _ = child.kill();
+        child.wait().unwrap();
+        let parts = [if change.is_some() { "quake.csv of the scene has changed" } else { "quake.csv cannot be read" }];
+        folder.run(&RESUME).is_refused_with(&parts);
+        fs::write(&quake, &shaking).unwrap();
+        let mut resumed = folder.start(&RESUME);
+        folder.wait_for_another_checkpoint();
+        let _ = resumed.kill();
+        resumed.wait().unwrap();
+    }
 }
 
 #[test]

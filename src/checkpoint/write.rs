@@ -90,7 +90,7 @@ fn write_or_warn(world: &mut World) {
 fn write_checkpoint(world: &mut World) -> Result<(), String> {
     let Clock { time, step, .. } = *world.resource::<Clock>();
     let text = world.resource::<SceneDocument>().0.text().to_string();
-    let files = world.resource::<SceneFiles>().fingerprints();
+    let files = world.resource::<SceneFiles>().fingerprints().to_vec();
     let mut checkpoints = world.resource_mut::<Checkpoints>();
     checkpoints.set_next(time);
     let path = checkpoints.path.clone();
@@ -98,7 +98,7 @@ fn write_checkpoint(world: &mut World) -> Result<(), String> {
     let fail = |why: String| format!("cannot write the checkpoint {}: {why}", path.display());
     // What the checkpoint counts on is on the disk before it is.
     let mark = mark_log(world).map_err(|error| error.to_string())?;
-    let about = About { origin, program, text, files: files.map_err(fail)?, mark, time, step };
+    let about = About { origin, program, text, files, mark, time, step };
     let state = save_state(world).map_err(fail)?;
     let bytes = to_bytes(&about, &state).map_err(fail)?;
     write_atomically(&path, &bytes).map_err(|error| fail(error.to_string()))

@@ -98,8 +98,7 @@ impl Reference {
                 return Ok(Target::Series(series, field, of.clone()));
             }
             Self::Csv { file, time, value } => {
-                let path = scene_file(world, file);
-                let table = CsvTable::read(&path, time, value)?;
+                let table = CsvTable::read(&scene_file(world, file)?, time, value)?;
                 table.check_times(world.resource::<SceneInfo>().end_time)?;
                 return Ok(Target::Table(table, file.clone()));
             }

@@ -5,34 +5,55 @@ use std::path::{Path, PathBuf};
 
 use bevy_ecs::prelude::*;
 
-use super::SceneInfo;
+use super::{Invalid, SceneInfo};
 
-/// The files that the scene of this run reads.
+/// The files that the scene of this run has read.
 #[derive(Resource, Debug, Clone, Default)]
-pub struct SceneFiles(Vec<PathBuf>);
+pub struct SceneFiles(Vec<Fingerprint>);
+
+/// Path, length and CRC-32 of a file as it was read: what becomes of it afterwards is nothing to the run.
+pub(crate) type Fingerprint = (PathBuf, u64, u32);
 
 impl SceneFiles {
-    /// Path, length and CRC-32 of each file.
-    ///
-    /// # Errors
-    /// One of them cannot be read any more.
-    pub(crate) fn fingerprints(&self) -> Result<Vec<(PathBuf, u64, u32)>, String> {
-        let fingerprint = |path: &PathBuf| match fs::read(path) {
-            Ok(bytes) => Ok((path.clone(), bytes.len() as u64, crc32fast::hash(&bytes))),
-            Err(error) => Err(format!("the file {} of the scene cannot be read: {error}", path.display())),
-        };
-        self.0.iter().map(fingerprint).collect()
+    /// Each file, in the order in which they were first read.
+    pub(crate) fn fingerprints(&self) -> &[Fingerprint] {
+        &self.0
+    }
+
+    /// Keeps a file that was read; `false` if it was another one when it was read before.
+    fn keep(&mut self, new: Fingerprint) -> bool {
+        match self.0.iter().find(|known| known.0 == new.0) {
+            Some(known) => *known == new,
+            None => {
+                self.0.push(new);
+                true
+            }
+        }
     }
 }
 
-/// The path of a `file` that the scene names: it is seen from the folder of the scene. The file becomes a part of what the run
-/// depends on: a checkpoint is not resumed when it has changed.
-pub fn scene_file(world: &mut World, file: &str) -> PathBuf {
+/// A file that a scene names.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SceneFile {
+    /// Where it lies.
+    pub path: PathBuf,
+    /// What it held when it was read.
+    pub bytes: Vec<u8>,
+}
+
+/// Reads a `file` that the scene names, seen from the folder of the scene. What was read becomes a part of what the run depends
+/// on: a checkpoint is not resumed when the file is another one.
+///
+/// # Errors
+/// It cannot be read, or has changed since another part of the scene read it.
+pub fn scene_file(world: &mut World, file: &str) -> Result<SceneFile, Invalid> {
     let scene = Path::new(&world.resource::<SceneInfo>().file).to_owned();
     let path = scene.parent().unwrap_or(Path::new("")).join(file);
-    let mut files = world.get_resource_or_init::<SceneFiles>();
-    if !files.0.contains(&path) {
-        files.0.push(path.clone());
+    let wrong = |what: String| Invalid::new("file", format!("{} {what}", path.display()));
+    let bytes = fs::read(&path).map_err(|error| wrong(format!("cannot be read: {error}")))?;
+    let fingerprint = (path.clone(), bytes.len() as u64, crc32fast::hash(&bytes));
+    if !world.get_resource_or_init::<SceneFiles>().keep(fingerprint) {
+        return Err(wrong("changed while the scene was read".to_owned()));
     }
-    path
+    Ok(SceneFile { path, bytes })
 }

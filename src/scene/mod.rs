@@ -18,7 +18,7 @@ mod variant;
 pub(crate) use columns::vertical;
 pub use disturbance::{Disturbance, WaveMode};
 pub use document::{Document, Named, Node, flatten, nearest};
-pub use files::{SceneFiles, scene_file};
+pub use files::{SceneFile, SceneFiles, scene_file};
 pub(crate) use fluids::WALL_CLEARANCE;
 pub use fluids::{FilledFluids, Filling, FluidSpec, FluidsSection, InitialPressure};
 pub use header::{Header, Periodic, Resolution, SceneInfo};

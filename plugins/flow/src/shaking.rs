@@ -94,9 +94,9 @@ impl SceneSection for Shaking {
 
     fn spawn(self, world: &mut World) -> Result<(), SectionError> {
         let Self::Accelerogram { file, time, columns, scale } = self else { return Ok(()) };
-        let path = scene_file(world, &file);
+        let file = scene_file(world, &file)?;
         let read = |(k, column): (usize, AccelerogramColumn)| {
-            let table = CsvTable::read(&path, &time, &column.name).map_err(|wrong| match wrong.path.as_str() {
+            let table = CsvTable::read(&file, &time, &column.name).map_err(|wrong| match wrong.path.as_str() {
                 "value" => Invalid { path: format!("columns.{k}.name"), ..wrong },
                 _ => wrong,
             })?;
