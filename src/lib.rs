@@ -47,6 +47,7 @@ pub mod particles;
 pub mod phases;
 pub mod physics;
 pub mod probes;
+mod replace;
 pub mod rheology;
 pub mod scene;
 pub mod schedule;

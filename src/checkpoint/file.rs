@@ -11,8 +11,7 @@
 //! Numbers are little endian. These four fields stay in every version of the format; a program reads its own version only,
 //! because another one would not compute the same bits.
 
-use std::fs::{self, File};
-use std::io::{self, Write};
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -177,35 +176,6 @@ pub(super) fn to_bytes(about: &About, state: &[u8]) -> Result<Vec<u8>, String> {
     Ok(bytes)
 }
 
-/// Puts `bytes` at `path` so that at every moment, whatever fails, either the old file is there or the new one: they are
-/// written to a file beside it and reach the disk before that file takes the name.
-pub(super) fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let part = path.with_added_extension("part");
-    let written = File::create(&part).and_then(|mut file| {
-        file.write_all(bytes)?;
-        file.sync_all()
-    });
-    let moved = written.and_then(|()| fs::rename(&part, path));
-    if moved.is_err() {
-        let _ = fs::remove_file(&part);
-        return moved;
-    }
-    sync_folder(path)
-}
-
-/// Makes the name of a file reach the disk.
-#[cfg(unix)]
-fn sync_folder(path: &Path) -> io::Result<()> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    File::open(folder)?.sync_all()
-}
-
-/// Elsewhere a folder cannot be opened as a file.
-#[cfg(not(unix))]
-fn sync_folder(_: &Path) -> io::Result<()> {
-    Ok(())
-}
-
 /// Refuses to write a checkpoint in the place of a file with something else in it.
 ///
 /// # Errors
@@ -295,21 +265,5 @@ mod tests {
             FORMAT
         });
         assert!(program.contains("it is of storegga 9"), "{program}");
-    }
-
-    #[test]
-    fn a_file_is_replaced_whole_or_not_at_all() {
-        let folder = std::env::temp_dir().join(format!("storegga-atomic-{}", std::process::id()));
-        fs::create_dir_all(&folder).expect("a folder");
-        let path = folder.join("a.checkpoint");
-        for content in ["old", "new"] {
-            write_atomically(&path, content.as_bytes()).expect("it is written");
-            assert_eq!(fs::read(&path).expect("it is there"), content.as_bytes());
-        }
-        // A folder in the place of the part: the write fails, and the file before it stays.
-        fs::create_dir(path.with_added_extension("part")).expect("a folder");
-        assert!(write_atomically(&path, b"newer").is_err());
-        assert_eq!(fs::read(&path).expect("it is there"), b"new");
-        fs::remove_dir_all(&folder).expect("the folder is there");
     }
 }

@@ -8,11 +8,12 @@ use std::time::{Duration, Instant};
 
 use bevy_ecs::prelude::*;
 
-use super::file::{About, Origin, program_checksum, refuse_to_overwrite, to_bytes, write_atomically};
+use super::file::{About, Origin, program_checksum, refuse_to_overwrite, to_bytes};
 use super::state::{check_state, save_state};
 use crate::clock::Clock;
 use crate::error::UserError;
 use crate::log::mark_log;
+use crate::replace::replace;
 use crate::scene::{SceneDocument, SceneFiles};
 
 /// Where the checkpoints of a run go, and when the next one is due. Without this resource none is written.
@@ -101,5 +102,5 @@ fn write_checkpoint(world: &mut World) -> Result<(), String> {
     let about = About { origin, program, text, files, mark, time, step };
     let state = save_state(world).map_err(fail)?;
     let bytes = to_bytes(&about, &state).map_err(fail)?;
-    write_atomically(&path, &bytes).map_err(|error| fail(error.to_string()))
+    replace(&path, &bytes).map_err(|error| fail(error.to_string()))
 }

@@ -20,8 +20,7 @@ impl Place {
         let fail = |error: io::Error| LogError::new(path, "create", error);
         // It is not emptied before it is clear that no run writes it.
         let file = OpenOptions::new().write(true).create(true).truncate(false).open(path).map_err(fail)?;
-        // Where locks are not known, as in some file systems of networks, there is none.
-        if matches!(file.try_lock(), Err(TryLockError::WouldBlock)) {
+        if is_written(&file) {
             return Err(LogError::new(path, "create", "another run is writing it"));
         }
         let data = file.metadata().map_err(fail)?;
@@ -41,6 +40,12 @@ impl Place {
         }
         Err(LogError::new(&self.path, "write", "it was removed, moved or replaced while it was written"))
     }
+}
+
+/// Whether another program is writing the log `file`; if not, nobody else does while `file` is open. Where locks are not known, as
+/// in some file systems of networks, nobody seems to.
+pub(super) fn is_written(file: &File) -> bool {
+    matches!(file.try_lock(), Err(TryLockError::WouldBlock))
 }
 
 /// Device and number of a file.

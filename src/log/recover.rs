@@ -1,14 +1,16 @@
 //! Making a whole log of a torn one.
 
-use std::ffi::OsString;
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::fs::{self, File};
+use std::io::ErrorKind;
+use std::path::Path;
 
 use mcap::Channel;
 use mcap::records::MessageHeader;
 
+use super::place::is_written;
 use super::read::seconds;
 use super::{Damage, Ending, LogError, LogWriter, Piece, read_log};
+use crate::replace::{part_of, put_in_place};
 
 /// What was copied of a log.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -144,24 +146,39 @@ impl Copied {
 /// place, so that nothing half done is ever there. A metadata record `recovered` in it says what was lost.
 ///
 /// # Errors
-/// `from` is no log, holds nothing that can be read, or is `to` itself; `to` cannot be written.
+/// `from` is no log, holds nothing that can be read, or is `to` itself; `to` cannot be written, is no plain file, or is a log that a
+/// run is writing.
 pub fn recover_log(from: &Path, to: &Path) -> Result<Copied, LogError> {
     if from.is_file() && fs::canonicalize(from).is_ok_and(|from| fs::canonicalize(to).is_ok_and(|to| from == to)) {
         return Err(LogError::new(to, "write", "it is the log that is to be recovered"));
     }
+    // Held until the new one has its place.
+    let _old = old(to)?;
     let part = part_of(to);
-    let copied = write_part(from, &part).and_then(|copied| {
-        fs::rename(&part, to).map_err(|error| LogError::new(to, "write", error))?;
+    let writer = LogWriter::create(&part)?;
+    let copied = write_part(from, writer).and_then(|copied| {
+        put_in_place(&part, to).map_err(|error| LogError::new(to, "write", error))?;
         Ok(copied)
     });
-    if copied.is_err() {
-        let _ = fs::remove_file(&part);
-    }
-    copied
+    copied.inspect_err(|_| drop(fs::remove_file(&part)))
 }
 
-fn write_part(from: &Path, part: &Path) -> Result<Copied, LogError> {
-    let mut writer = LogWriter::create(part)?;
+/// The file at `path`, if there is one: it must be one that can be replaced, and no run writes it while it is open.
+fn old(path: &Path) -> Result<Option<File>, LogError> {
+    let refused = |why: &str| LogError::new(path, "write", why);
+    let fail = |error| LogError::new(path, "write", error);
+    match fs::metadata(path) {
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+        Err(error) => return Err(fail(error)),
+        Ok(data) if data.is_dir() => return Err(refused("it is a folder")),
+        Ok(data) if !data.is_file() => return Err(refused("it is no plain file, and would be replaced by one")),
+        Ok(_) => {}
+    }
+    let file = File::open(path).map_err(fail)?;
+    if is_written(&file) { Err(refused("a run is writing it")) } else { Ok(Some(file)) }
+}
+
+fn write_part(from: &Path, mut writer: LogWriter) -> Result<Copied, LogError> {
     let copied = copy_log(from, &mut writer, None)?;
     if copied.messages() == 0 && copied.others == 0 {
         return Err(LogError::new(from, "recover", "nothing in it can be read"));
@@ -180,11 +197,4 @@ fn write_part(from: &Path, part: &Path) -> Result<Copied, LogError> {
     writer.metadata("recovered", &said)?;
     writer.finish()?;
     Ok(copied)
-}
-
-/// Where a log that is to be at `path` is written first.
-pub(super) fn part_of(path: &Path) -> PathBuf {
-    let mut name = OsString::from(path);
-    name.push(".part");
-    name.into()
 }

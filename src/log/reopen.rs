@@ -1,15 +1,16 @@
 //! Continuing the log of a run that was stopped.
 
-use std::fs::{self, File, TryLockError};
+use std::fs::{self, File};
 use std::path::Path;
 
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::place::is_written;
 use super::plugin::Log;
-use super::recover::part_of;
 use super::{LogError, LogWriter, copy_log};
 use crate::probes::Series;
+use crate::replace::{part_of, put_in_place};
 
 /// How far the log of a run had been written at one moment.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
@@ -37,21 +38,25 @@ pub(crate) fn mark_log(world: &mut World) -> Result<LogMark, LogError> {
 /// # Errors
 /// The log does not hold what had been written at the mark, or cannot be written.
 pub(crate) fn reopen_log(world: &mut World, path: &Path, mark: LogMark) -> Result<(), LogError> {
-    let part = part_of(path);
-    let reopened = continue_log(world, path, &part, mark);
-    if reopened.is_err() {
-        let _ = fs::remove_file(&part);
-    }
-    reopened
-}
-
-fn continue_log(world: &mut World, path: &Path, part: &Path, mark: LogMark) -> Result<(), LogError> {
     let old = File::open(path).map_err(|error| LogError::new(path, "read", error))?;
     // Held until the new one has its place: a run that is still on its way must not lose its log.
-    if matches!(old.try_lock(), Err(TryLockError::WouldBlock)) {
+    if is_written(&old) {
         return Err(LogError::new(path, "go on with", "another run is writing it: was the run not stopped?"));
     }
-    let mut writer = LogWriter::create(part)?;
+    let part = part_of(path);
+    let writer = LogWriter::create(&part)?;
+    let reopened = continue_log(world, path, writer, mark).and_then(|log| {
+        put_in_place(&part, path).map_err(|error| LogError::new(path, "write", error))?;
+        Ok(log)
+    });
+    let mut log = reopened.inspect_err(|_| drop(fs::remove_file(&part)))?;
+    log.writer.set_path(path);
+    world.insert_resource(log);
+    Ok(())
+}
+
+/// Copies the log at `path` up to `mark` to `writer`, and puts everything else in its way so that it goes on there.
+fn continue_log(world: &mut World, path: &Path, mut writer: LogWriter, mark: LogMark) -> Result<Log, LogError> {
     let copied = copy_log(path, &mut writer, Some(mark.messages))?;
     let found = copied.messages();
     if found < mark.messages {
@@ -70,9 +75,6 @@ fn continue_log(world: &mut World, path: &Path, part: &Path, mark: LogMark) -> R
             log.add_channel(entity, series, channel.messages as usize)?;
         }
     }
-    log.writer.sync()?;
-    fs::rename(part, path).map_err(|error| LogError::new(path, "write", error))?;
-    log.writer.set_path(path);
-    world.insert_resource(log);
-    Ok(())
+    log.writer.flush()?;
+    Ok(log)
 }

@@ -200,6 +200,44 @@ fn what_is_no_log_is_not_recovered() {
     out("tank.ron").is_refused_with(&["exists and is not a log", "--out"]);
     out("runs/../runs/tank.mcap").is_refused_with(&["it is the log that is to be recovered"]);
     out("tank.ron/a.mcap").is_refused_with(&["tank.ron", "--out"]);
+    fs::create_dir(folder.path("folder.mcap")).unwrap();
+    out("folder.mcap").is_refused_with(&["cannot write the log folder.mcap: it is a folder", "--out"]);
     assert_eq!(fs::read(folder.path("runs/tank.mcap")).unwrap(), log);
     assert!(folder.path("tank.ron").is_file());
+}
+
+/// A pipe stands for a device: what is no plain file is not replaced by one.
+#[cfg(unix)]
+#[test]
+fn what_is_no_plain_file_is_not_replaced() {
+    use std::os::unix::fs::FileTypeExt;
+
+    let folder = Folder::new("no-file");
+    folder.log();
+    let pipe = folder.path("pipe.mcap");
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let ran = folder.run(&["recover", "runs/tank.mcap", "--out", "pipe.mcap"]);
+    ran.is_refused_with(&["cannot write the log pipe.mcap: it is no plain file", "--out"]);
+    assert!(fs::metadata(pipe).unwrap().file_type().is_fifo() && !folder.path("pipe.mcap.part").exists());
+}
+
+#[test]
+fn a_log_that_is_being_written_is_not_replaced() {
+    let folder = Folder::new("busy");
+    folder.log();
+    let written = folder.path("written.mcap");
+    let mut writer = LogWriter::create(&written).unwrap();
+    writer.message(0.0, storegga::log::Level::Info, "still here").unwrap();
+    writer.flush().unwrap();
+    let recover = || folder.run(&["recover", "runs/tank.mcap", "--out", "written.mcap"]);
+    recover().is_refused_with(&["cannot write the log written.mcap: a run is writing it", "--out"]);
+    // What another program is putting together there is left alone, too.
+    let mut part = LogWriter::create(&folder.path("other.mcap.part")).unwrap();
+    let ran = folder.run(&["recover", "runs/tank.mcap", "--out", "other.mcap"]);
+    ran.is_refused_with(&["cannot create the log other.mcap.part: another run is writing it"]);
+    part.finish().unwrap();
+    writer.finish().unwrap();
+    assert_eq!(messages(&fs::read(&written).unwrap()).len(), 1);
+    drop(writer);
+    assert_eq!(recover().code(), Some(0));
 }
