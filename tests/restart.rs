@@ -129,6 +129,14 @@ impl Folder {
         child
     }
 
+    /// Starts a run and kills it behind its second checkpoint.
+    fn start_and_kill(&self, arguments: &[&str]) {
+        let _ = fs::remove_file(self.checkpoint());
+        let mut child = self.start_and_wait(arguments);
+        let _ = child.kill();
+        child.wait().unwrap();
+    }
+
     /// Waits until there is another checkpoint than now.
     fn wait_for_another_checkpoint(&self) {
         let (start, first) = (Instant::now(), fs::read(self.checkpoint()).unwrap());
@@ -358,9 +366,7 @@ fn an_interrupted_run_leaves_a_checkpoint_of_its_last_step() {
 /// A folder with a run that was killed behind its second checkpoint.
 fn killed(name: &str) -> Folder {
     let folder = Folder::new(name, &stream(2));
-    let mut child = folder.start_and_wait(&RUN);
-    let _ = child.kill();
-    child.wait().unwrap();
+    folder.start_and_kill(&RUN);
     folder
 }
 
@@ -428,6 +434,7 @@ fn what_cannot_go_on_as_before_is_refused_with_the_reason() {
     refused(&["cannot go on with the log", "messages at the checkpoint"]);
     // A run of a scene that differs in nothing but a number that is not in the text of the checkpoint's log.
     folder.run(&["run", "stream.ron", "--set", "phases.water.rheology.viscosity=0.5", "--quiet"]).is_done();
+    fs::write(folder.checkpoint(), &whole).unwrap();
     refused(&["it is the log of another run"]);
 
     fs::write(folder.path("runs/stream.mcap"), &log).unwrap();
@@ -487,6 +494,60 @@ fn a_checkpoint_that_cannot_be_written_does_not_end_the_run() {
     let resumed = Left::of(&folder, &folder.run(&RESUME));
     folder.clear();
     resumed.is(&Left::of(&folder, &folder.run(&RUN)), "resumed from an old checkpoint");
+}
+
+/// Who types `run` again and not `resume` loses nothing of the run before.
+#[test]
+fn a_run_that_has_not_ended_is_kept_when_a_new_one_takes_its_name() {
+    let folder = killed("kept");
+    let again = folder.run(&RUN);
+    again.is_done();
+    let resume = "storegga resume runs/stream.unfinished.checkpoint";
+    for part in ["Warning: runs/stream.checkpoint was of a run that has not ended", "of 0.1 s", resume] {
+        assert!(again.err().contains(part), "{part} is not in\n{}", again.err());
+    }
+    let reference = Left::of(&folder, &again);
+    let kept = folder.run(&["resume", "runs/stream.unfinished.checkpoint", "--json"]);
+    kept.is_done();
+    // It ends like the one that was not killed.
+    for (kept, name) in [("unfinished.mcap", "mcap"), ("unfinished.checkpoint", "checkpoint")] {
+        fs::rename(folder.path(&format!("runs/stream.{kept}")), folder.path(&format!("runs/stream.{name}"))).unwrap();
+    }
+    let resumed = Left { checkpoint: reference.checkpoint.clone(), ..Left::of(&folder, &kept) };
+    resumed.is(&reference, "kept and resumed");
+    // A run that has ended is replaced without a word; two that have not are both kept.
+    let quiet = folder.run(&RUN);
+    assert!(!quiet.err().contains("Warning"), "{}", quiet.err());
+    for kept in ["runs/stream.unfinished.checkpoint", "runs/stream.unfinished-2.checkpoint"] {
+        folder.start_and_kill(&RUN);
+        let without = folder.run(&["run", "stream.ron", "--threads", "1", "--quiet", "--until", "0.001"]);
+        assert!(without.err().contains(&format!("storegga resume {kept}")), "{}", without.err());
+        assert!(folder.path(kept).is_file() && !folder.checkpoint().exists());
+    }
+}
+
+#[test]
+fn a_log_and_a_checkpoint_are_two_files() {
+    let folder = Folder::new("two-files", &stream(2));
+    let run = |out: &str| {
+        let short = ["--checkpoint-every", "0.002", "--until", "0.004", "--quiet", "--out", out];
+        folder.run(&[&["run", "stream.ron"], &short[..]].concat())
+    };
+    for (out, checkpoint) in
+        [("small.checkpoint", "small.checkpoint.checkpoint"), ("z.mcap", "z.checkpoint"), ("z.log", "z.log.checkpoint")]
+    {
+        run(out).is_done();
+        let magic = |name: &str| fs::read(folder.path(name)).unwrap()[1..5].to_vec();
+        assert_eq!((magic(out), magic(checkpoint)), (b"MCAP".to_vec(), b"STOC".to_vec()));
+    }
+    let before = fs::read(folder.path("z.checkpoint")).unwrap();
+    run("z").is_refused_with(&["z.checkpoint is the checkpoint of a run that writes z.mcap", "--out"]);
+    assert!(!folder.path("z").exists() && fs::read(folder.path("z.checkpoint")).unwrap() == before);
+    // The old log stays if the new run cannot have its checkpoint.
+    fs::write(folder.path("z.checkpoint"), "not mine").unwrap();
+    let log = fs::read(folder.path("z.mcap")).unwrap();
+    run("z.mcap").is_refused_with(&["z.checkpoint exists and is not a checkpoint"]);
+    assert!(fs::read(folder.path("z.mcap")).unwrap() == log, "the log was destroyed");
 }
 
 #[test]

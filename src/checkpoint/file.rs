@@ -21,10 +21,10 @@ use crate::error::UserError;
 use crate::log::LogMark;
 
 /// How every checkpoint begins.
-const MAGIC: [u8; 8] = *b"\x89STOCKP\n";
+pub(super) const MAGIC: [u8; 8] = *b"\x89STOCKP\n";
 
 /// Version of the format. It changes with [`About`] and with how state is written.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 
 /// Bytes before the body.
 const HEAD: usize = MAGIC.len() + 4 + 8 + 4;
@@ -63,6 +63,8 @@ pub struct About {
     pub mark: LogMark,
     /// Simulated time (s).
     pub time: f64,
+    /// Simulated time (s) at which the run is to end.
+    pub end_time: f64,
     /// Steps done.
     pub step: u64,
 }
@@ -96,7 +98,7 @@ impl Checkpoint {
         self.about.program.zip(program_checksum()).is_some_and(|(then, now)| then != now)
     }
 
-    fn parse(bytes: &[u8]) -> Result<Self, Refusal> {
+    pub(super) fn parse(bytes: &[u8]) -> Result<Self, Refusal> {
         let Some((head, body)) = bytes.split_first_chunk::<HEAD>().filter(|(head, _)| head.starts_with(&MAGIC)) else {
             let is_cut = MAGIC.starts_with(&bytes[..bytes.len().min(MAGIC.len())]) && !bytes.is_empty();
             let what = if is_cut { "it is cut off" } else { "it is not a checkpoint" };
@@ -134,7 +136,7 @@ pub(super) fn program_checksum() -> Option<u32> {
 
 /// Why a file is not resumed from.
 #[derive(Debug)]
-struct Refusal {
+pub(super) struct Refusal {
     what: String,
     help: Option<&'static str>,
 }
@@ -176,19 +178,6 @@ pub(super) fn to_bytes(about: &About, state: &[u8]) -> Result<Vec<u8>, String> {
     Ok(bytes)
 }
 
-/// Refuses to write a checkpoint in the place of a file with something else in it.
-///
-/// # Errors
-/// There is such a file.
-pub(super) fn refuse_to_overwrite(path: &Path) -> Result<(), UserError> {
-    let Ok(bytes) = fs::read(path) else { return Ok(()) };
-    if bytes.is_empty() || bytes.starts_with(&MAGIC) {
-        return Ok(());
-    }
-    let message = format!("{} exists and is not a checkpoint: it would be lost", path.display());
-    Err(UserError::plain(message).help("the checkpoint lies beside the log: choose another log with --out"))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -209,6 +198,7 @@ mod tests {
             files: Vec::new(),
             mark: LogMark::default(),
             time: 0.25,
+            end_time: 1.0,
             step: 1000,
         }
     }

@@ -10,11 +10,13 @@
 //! as saved.
 
 mod file;
+mod place;
 mod resume;
 mod state;
 mod write;
 
 pub use file::{About, Checkpoint, Origin};
+pub use place::{checkpoint_of, keep_unfinished, refuse_to_overwrite};
 pub use state::{check_state, restore_state, save_state};
 pub use write::{Checkpoints, start_checkpoints};
 

@@ -4,17 +4,18 @@
 //! one. So a run with checkpoints has the bits of one without.
 
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use bevy_ecs::prelude::*;
 
-use super::file::{About, Origin, program_checksum, refuse_to_overwrite, to_bytes};
+use super::file::{About, Origin, program_checksum, to_bytes};
+use super::place::refuse_to_overwrite;
 use super::state::{check_state, save_state};
 use crate::clock::Clock;
 use crate::error::UserError;
 use crate::log::mark_log;
 use crate::replace::replace;
-use crate::scene::{SceneDocument, SceneFiles};
+use crate::scene::{SceneDocument, SceneFiles, SceneInfo};
 
 /// Where the checkpoints of a run go, and when the next one is due. Without this resource none is written.
 #[derive(Resource, Debug)]
@@ -39,7 +40,7 @@ impl Checkpoints {
 
     /// Whether one is due at the simulated time `time` (s).
     fn is_due(&self, time: f64) -> bool {
-        let wall = self.origin.every_wall.is_some_and(|every| self.written.elapsed() >= Duration::from_secs_f64(every));
+        let wall = self.origin.every_wall.is_some_and(|every| self.written.elapsed().as_secs_f64() >= every);
         wall || (self.origin.every.is_some() && time >= self.next)
     }
 
@@ -60,7 +61,7 @@ pub fn start_checkpoints(world: &mut World, checkpoints: Checkpoints) -> Result<
         let message = format!("checkpoints would lose the state of a plugin: `{}`", forgotten.join("`, `"));
         UserError::plain(message).help("register it with `register_saved` or `register_rebuilt`")
     })?;
-    refuse_to_overwrite(&checkpoints.path)?;
+    refuse_to_overwrite(&checkpoints.path, &checkpoints.origin.log)?;
     world.insert_resource(checkpoints);
     write_checkpoint(world).map_err(|why| UserError::plain(why).help("the checkpoint lies beside the log: see --out"))
 }
@@ -91,6 +92,7 @@ fn write_or_warn(world: &mut World) {
 fn write_checkpoint(world: &mut World) -> Result<(), String> {
     let Clock { time, step, .. } = *world.resource::<Clock>();
     let text = world.resource::<SceneDocument>().0.text().to_string();
+    let scene_end = world.resource::<SceneInfo>().end_time;
     let files = world.resource::<SceneFiles>().fingerprints().to_vec();
     let mut checkpoints = world.resource_mut::<Checkpoints>();
     checkpoints.set_next(time);
@@ -99,7 +101,8 @@ fn write_checkpoint(world: &mut World) -> Result<(), String> {
     let fail = |why: String| format!("cannot write the checkpoint {}: {why}", path.display());
     // What the checkpoint counts on is on the disk before it is.
     let mark = mark_log(world).map_err(|error| error.to_string())?;
-    let about = About { origin, program, text, files, mark, time, step };
+    let end_time = origin.until.unwrap_or(scene_end);
+    let about = About { origin, program, text, files, mark, time, end_time, step };
     let state = save_state(world).map_err(fail)?;
     let bytes = to_bytes(&about, &state).map_err(fail)?;
     replace(&path, &bytes).map_err(|error| fail(error.to_string()))

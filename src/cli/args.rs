@@ -68,7 +68,8 @@ Examples:
   storegga run scenes/submarine_slide.ron --checkpoint-every-wall 600
 
 With either of the last two, runs/submarine_slide.checkpoint always holds a state from which `storegga resume` goes on.
-Checkpoints change nothing in the results.
+Checkpoints change nothing in the results. A run that has not ended is not lost to a new one of the same name: its checkpoint and its
+log are kept, and a warning says how they are called.
 
 The log is an MCAP file: Foxglove opens it, and so does every MCAP library.
 docs/scene.md is the page of all fields of a scene, with their units and defaults.")]
@@ -83,7 +84,7 @@ pub(super) struct RunArgs {
     /// Log file; by default runs/<scene>.mcap. Its folder is made if it does not exist.
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
-    /// Write a checkpoint after every so many seconds of simulated time, beside the log: runs/<scene>.checkpoint.
+    /// Write a checkpoint after every so many seconds of simulated time, beside the log: <log>.checkpoint, without the .mcap.
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = positive_seconds)]
     pub checkpoint_every: Option<f64>,
     /// Write a checkpoint after every so many seconds of real time; goes together with the other one.

@@ -15,7 +15,7 @@ use super::simulate::{Outcome, Settings, simulate};
 use super::summary::{checks_table, divergence, summary};
 use super::{json, warnings};
 use crate::app::{End, open};
-use crate::checkpoint::Origin;
+use crate::checkpoint::{self, Origin, checkpoint_of, keep_unfinished};
 use crate::error::UserError;
 use crate::scene::open_document;
 
@@ -24,6 +24,10 @@ pub(super) fn run<P: PluginGroup>(args: &RunArgs, plugins: fn() -> P) -> Result<
     let document = open_document(&args.scene, &args.overrides.set)?;
     let log = args.out.clone().unwrap_or_else(|| default_log(&args.scene));
     refuse_to_overwrite(&log)?;
+    let checkpoints = checkpoints(args, &log);
+    if let Some((path, _)) = &checkpoints {
+        checkpoint::refuse_to_overwrite(path, &log)?;
+    }
     let stop = exit::stop_on_interrupt();
     let mut app = open(plugins(), document)?;
     make_folder(&log)?;
@@ -31,11 +35,14 @@ pub(super) fn run<P: PluginGroup>(args: &RunArgs, plugins: fn() -> P) -> Result<
     if !args.quiet {
         complain(&warnings::text(&warnings, exit::colour()));
     }
+    if let Some(kept) = keep_unfinished(&log)? {
+        complain(&format!("Warning: {kept}\n"));
+    }
     let settings = Settings {
         until: args.until,
         log: Some(&log),
         warnings: warnings.iter().map(ToString::to_string).collect(),
-        checkpoints: checkpoints(args, &log),
+        checkpoints,
         resume: None,
         threads: args.threads.count(),
     };
@@ -56,7 +63,7 @@ fn checkpoints(args: &RunArgs, log: &Path) -> Option<(PathBuf, Origin)> {
         every_wall,
         log: log.to_owned(),
     };
-    Some((log.with_extension("checkpoint"), origin))
+    Some((checkpoint_of(log), origin))
 }
 
 /// How a run shows what came out.

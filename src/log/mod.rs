@@ -45,6 +45,7 @@ pub use reopen::LogMark;
 pub use series::{Field, SeriesId, Value};
 pub use writer::{Level, LogWriter};
 
+pub(crate) use place::is_being_written;
 pub(crate) use reopen::{mark_log, reopen_log};
 
 use facts::program_facts;

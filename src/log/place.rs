@@ -48,6 +48,11 @@ pub(super) fn is_written(file: &File) -> bool {
     matches!(file.try_lock(), Err(TryLockError::WouldBlock))
 }
 
+/// Whether a program is writing a log at `path`.
+pub(crate) fn is_being_written(path: &Path) -> bool {
+    File::open(path).is_ok_and(|file| is_written(&file))
+}
+
 /// Device and number of a file.
 type Identity = (u64, u64);
 
