@@ -556,6 +556,17 @@ fn intervals_that_make_no_sense_are_refused() {
     for option in ["--checkpoint-every", "--checkpoint-every-wall"] {
         folder.run(&["run", "stream.ron", option, "0"]).is_refused_with(&[option, "greater than 0"]);
     }
+    let longest = ["run", "stream.ron", "--checkpoint-every-wall", "1e300"];
+    folder.run(&longest).is_refused_with(&["--checkpoint-every-wall", "no clock runs that long"]);
+    // The longest and the shortest that make sense, or nearly so.
+    for (option, seconds) in [("--checkpoint-every", "1e300"), ("--checkpoint-every-wall", "1e19")] {
+        folder.run(&["run", "stream.ron", "--until", "0.002", "--quiet", option, seconds]).is_done();
+    }
+    let tiny = ["run", "stream.ron", "--checkpoint-every", "1e-320", "--quiet"];
+    let mut child = folder.start_and_wait(&tiny);
+    folder.wait_for_another_checkpoint();
+    let _ = child.kill();
+    child.wait().unwrap();
 }
 
 #[test]

@@ -47,7 +47,9 @@ impl Checkpoints {
     /// One was written, or should have been, at the simulated time `time` (s).
     fn set_next(&mut self, time: f64) {
         self.written = Instant::now();
-        self.next = self.origin.every.map_or(f64::INFINITY, |every| ((time / every).floor() + 1.0) * every);
+        let next = self.origin.every.map_or(f64::INFINITY, |every| ((time / every).floor() + 1.0) * every);
+        // An interval so short that it cannot be counted is one of a step.
+        self.next = if self.origin.every.is_some() && next.is_infinite() { time } else { next };
     }
 }
 

@@ -1,6 +1,7 @@
 //! The arguments of the command line.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand};
 
@@ -88,7 +89,7 @@ pub(super) struct RunArgs {
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = positive_seconds)]
     pub checkpoint_every: Option<f64>,
     /// Write a checkpoint after every so many seconds of real time; goes together with the other one.
-    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = positive_seconds)]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = wall_seconds)]
     pub checkpoint_every_wall: Option<f64>,
     #[command(flatten)]
     pub threads: Threads,
@@ -245,6 +246,15 @@ fn positive_seconds(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Seconds that a clock can measure.
+fn wall_seconds(text: &str) -> Result<f64, String> {
+    let seconds = positive_seconds(text)?;
+    match Duration::try_from_secs_f64(seconds) {
+        Ok(_) => Ok(seconds),
+        Err(_) => Err("no clock runs that long: expected a time in seconds, such as 600".to_owned()),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -259,7 +269,9 @@ mod tests {
     fn times_are_positive_and_finite() {
         assert_eq!(positive_seconds("0.5"), Ok(0.5));
         for wrong in ["0", "-1", "nan", "inf", "soon", ""] {
-            assert!(positive_seconds(wrong).is_err(), "{wrong}");
+            assert!(positive_seconds(wrong).is_err() && wall_seconds(wrong).is_err(), "{wrong}");
         }
+        assert_eq!((wall_seconds("1e9"), positive_seconds("1e300")), (Ok(1e9), Ok(1e300)));
+        assert!(wall_seconds("1e300").is_err());
     }
 }
