@@ -12,7 +12,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use crate::checkpoint::{Checkpoints, SavedState, write_if_due, write_last};
+use crate::checkpoint::{Checkpoints, SavedState, write_before_end, write_if_due, write_last};
 use crate::clock::Clock;
 use crate::error::UserError;
 use crate::failure;
@@ -344,11 +344,14 @@ pub fn run(world: &mut World, end_time: f64, stop: &StopFlag, mut watch: impl Fn
     }
     while world.resource::<Clock>().time < end_time {
         if stop.is_set() {
-            write_last(world);
+            write_last(world, false);
             return End::Interrupted;
         }
-        let target = world.resource::<OutputTimes>().next().min(end_time);
-        world.resource_mut::<Clock>().begin_step(target);
+        let output = world.resource::<OutputTimes>().next();
+        if end_time < output && world.resource::<Clock>().is_cut_by(end_time) {
+            write_before_end(world);
+        }
+        world.resource_mut::<Clock>().begin_step(output.min(end_time));
         world.run_schedule(Step);
         if let Some(what) = failure::take() {
             return End::Failed(what);
@@ -362,7 +365,7 @@ pub fn run(world: &mut World, end_time: f64, stop: &StopFlag, mut watch: impl Fn
         }
         write_if_due(world);
     }
-    write_last(world);
+    write_last(world, true);
     End::Done
 }
 

@@ -56,6 +56,12 @@ pub struct Clock {
 }
 
 impl Clock {
+    /// Whether the next step is another one because of `target` (s).
+    #[must_use]
+    pub fn is_cut_by(&self, target: f64) -> bool {
+        target - self.time < 2.0 * self.stable_time_step
+    }
+
     /// Starts a step that is stable and does not pass `target` (s); the target is met exactly, and a step that would
     /// leave a sliver before it is halved instead.
     pub fn begin_step(&mut self, target: f64) {
@@ -63,7 +69,7 @@ impl Clock {
         self.step += 1;
         if left <= self.stable_time_step {
             (self.time_step, self.limit, self.time) = (left, Limit::Output, target);
-        } else if left < 2.0 * self.stable_time_step {
+        } else if self.is_cut_by(target) {
             (self.time_step, self.limit) = (0.5 * left, Limit::Output);
             self.time += self.time_step;
         } else {

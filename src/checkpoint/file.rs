@@ -65,6 +65,8 @@ pub struct About {
     pub time: f64,
     /// Simulated time (s) at which the run is to end.
     pub end_time: f64,
+    /// Whether it has ended there. The state may be one of a step or two before: that from which it can go on to a later end.
+    pub is_done: bool,
     /// Steps done.
     pub step: u64,
 }
@@ -199,6 +201,7 @@ mod tests {
             mark: LogMark::default(),
             time: 0.25,
             end_time: 1.0,
+            is_done: false,
             step: 1000,
         }
     }

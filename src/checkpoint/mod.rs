@@ -21,4 +21,4 @@ pub use state::{check_state, restore_state, save_state};
 pub use write::{Checkpoints, start_checkpoints};
 
 pub(crate) use state::{SavedState, decode, encode};
-pub(crate) use write::{write_if_due, write_last};
+pub(crate) use write::{write_before_end, write_if_due, write_last};

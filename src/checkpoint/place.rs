@@ -59,7 +59,7 @@ pub fn keep_unfinished(log: &Path) -> Result<Option<String>, UserError> {
     let path = checkpoint_of(log);
     let Ok(mut old) = Checkpoint::read(&path) else { return Ok(None) };
     let (time, end_time) = (old.about.time, old.about.end_time);
-    let can_go_on = old.about.step > 0 && time < end_time && old.is_of(log) && log.is_file();
+    let can_go_on = old.about.step > 0 && !old.about.is_done && old.is_of(log) && log.is_file();
     // A log that is still written is refused when it is opened.
     if !can_go_on || is_being_written(log) {
         return Ok(None);

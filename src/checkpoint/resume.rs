@@ -6,8 +6,9 @@ use bevy_ecs::prelude::*;
 
 use super::Checkpoint;
 use super::state::restore_state;
+use crate::clock::Clock;
 use crate::error::UserError;
-use crate::log::reopen_log;
+use crate::log::{log_program, reopen_log};
 use crate::scene::{Document, SceneFiles};
 
 impl Checkpoint {
@@ -42,11 +43,12 @@ impl Checkpoint {
     }
 
     /// Puts the state of the checkpoint into the world that its scene has filled, and continues its log at `log`, as far as it
-    /// had been written then: what came after is computed again.
+    /// had been written then: what came after is computed again. The run is to go on to `end_time` (s).
     ///
     /// # Errors
-    /// A file of the scene that has changed, state that does not fit the program, a log that is not that of the run.
-    pub fn resume(&self, world: &mut World, log: &Path) -> Result<(), UserError> {
+    /// A file of the scene that has changed, state that does not fit the program, a log that is not that of the run; or another end
+    /// than that of the run, but so early that a run to it would not have come by the checkpoint.
+    pub fn resume(&self, world: &mut World, log: &Path, end_time: f64) -> Result<(), UserError> {
         let refused = |why: String| UserError::plain(format!("cannot resume: {why}"));
         let files = world.resource::<SceneFiles>().fingerprints();
         let file_name = |path: &Path| path.file_name().map(std::ffi::OsStr::to_owned);
@@ -62,6 +64,13 @@ impl Checkpoint {
             refused(format!("the checkpoint does not fit this program: {why}"))
                 .help("resume it with the program that wrote it, with the same plugins")
         })?;
-        reopen_log(world, log, self.about.mark).map_err(|error| refused(error.to_string()))
+        let is_another_end = end_time != self.about.end_time;
+        if is_another_end && world.resource::<Clock>().is_cut_by(end_time) {
+            let message = format!("the checkpoint is of t = {} s, too late for a run to {end_time} s", self.about.time);
+            return Err(refused(message).help("choose a later end, or start a new run"));
+        }
+        let reopened = reopen_log(world, log, self.about.mark);
+        let told = reopened.and_then(|()| if is_another_end { log_program(world, end_time) } else { Ok(()) });
+        told.map_err(|error| refused(error.to_string()))
     }
 }

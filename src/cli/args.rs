@@ -107,11 +107,12 @@ pub(super) struct RunArgs {
 Examples:
   storegga run scenes/submarine_slide.ron --checkpoint-every 0.1      (killed, or the power failed)
   storegga resume runs/submarine_slide.checkpoint
+  storegga resume runs/submarine_slide.checkpoint --until 3           (it ended at 2 s, and shall go on)
 
 The run goes on to its end with the same bits as if it had not been stopped, with any number of threads, and goes on writing
 checkpoints. Its log is continued in its place: messages of the old log that are later than the checkpoint are dropped, for the
 run computes them again; the old log stays until everything up to the checkpoint is copied. Expectations are checked over the
-whole run.
+whole run. With --until it has the bits of one run to that time.
 
 Refused, with the reason: a checkpoint that is damaged, cut off, or of another version of the program or other plugins; a scene,
 or a file that it reads, that has changed; a log that is gone or belongs to another run.
@@ -119,6 +120,10 @@ docs/restart.md tells the whole story.")]
 pub(super) struct ResumeArgs {
     /// Checkpoint, as `storegga run --checkpoint-every` writes it.
     pub checkpoint: PathBuf,
+    /// End the run at this simulated time (s), later or earlier than it was asked for at first; expectations are checked only if
+    /// that is not earlier than the scene's end.
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = positive_seconds)]
+    pub until: Option<f64>,
     #[command(flatten)]
     pub threads: Threads,
     /// Print one JSON object to standard output, and nothing else there.

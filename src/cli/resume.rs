@@ -11,7 +11,7 @@ use super::progress::Progress;
 use super::run::Show;
 use super::simulate::{Settings, simulate};
 use crate::app::open;
-use crate::checkpoint::Checkpoint;
+use crate::checkpoint::{Checkpoint, Origin};
 use crate::error::UserError;
 use crate::scene::open_document;
 
@@ -34,11 +34,12 @@ pub(super) fn resume<P: PluginGroup>(args: &ResumeArgs, plugins: fn() -> P) -> R
         let place = format!("t = {} s, step {}", short(about.time), count(about.step));
         complain(&format!("going on with {} from {place}\n", scene.display()));
     }
+    let origin = Origin { until: args.until.or(about.origin.until), ..about.origin.clone() };
     let settings = Settings {
-        until: about.origin.until,
+        until: origin.until,
         log: Some(&log),
         warnings: Vec::new(),
-        checkpoints: Some((args.checkpoint.clone(), about.origin.clone())),
+        checkpoints: Some((args.checkpoint.clone(), origin)),
         resume: Some(&checkpoint),
         threads: args.threads.count(),
     };

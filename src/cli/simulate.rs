@@ -91,7 +91,7 @@ fn run_in_pool(
     let scene_end = app::end_time(world);
     let end_time = settings.until.unwrap_or(scene_end);
     if let (Some(path), Some(checkpoint)) = (settings.log, settings.resume) {
-        checkpoint.resume(world, path)?;
+        checkpoint.resume(world, path, end_time)?;
     } else if let Some(path) = settings.log {
         open_log(world, path, end_time)
             .map_err(|error| UserError::plain(error.to_string()).help("choose another file with --out"))?;

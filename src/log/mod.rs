@@ -46,7 +46,7 @@ pub use series::{Field, SeriesId, Value};
 pub use writer::{Level, LogWriter};
 
 pub(crate) use place::is_being_written;
-pub(crate) use reopen::{mark_log, reopen_log};
+pub(crate) use reopen::{log_program, mark_log, reopen_log};
 
 use facts::program_facts;
 pub(crate) use particle_fields::ParticleFields;

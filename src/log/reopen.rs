@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::place::is_written;
 use super::plugin::Log;
-use super::{LogError, LogWriter, copy_log};
+use super::{LogError, LogWriter, copy_log, program_facts};
 use crate::probes::Series;
 use crate::replace::{part_of, put_in_place};
 
@@ -53,6 +53,12 @@ pub(crate) fn reopen_log(world: &mut World, path: &Path, mark: LogMark) -> Resul
     log.writer.set_path(path);
     world.insert_resource(log);
     Ok(())
+}
+
+/// Writes to a log that goes on to another end (s) than before what the program is told now; the last such record counts.
+pub(crate) fn log_program(world: &mut World, end_time: f64) -> Result<(), LogError> {
+    let Some(mut log) = world.get_resource_mut::<Log>() else { return Ok(()) };
+    log.writer.metadata("program", &program_facts(end_time))
 }
 
 /// Copies the log at `path` up to `mark` to `writer`, and puts everything else in its way so that it goes on there.
