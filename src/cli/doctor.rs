@@ -36,7 +36,16 @@ fn state(found: &Examination) -> &'static str {
 }
 
 fn text(log: &Path, found: &Examination) -> String {
-    let library = if found.library.is_empty() { "nobody knows whom" } else { &found.library };
+    if found.is_empty() && !found.ending.whole {
+        return format!(
+            "{}: {}, and nothing in its {} can be read or recovered: only the beginning of a log is there\n  cannot be read:\n{}",
+            log.display(),
+            state(found),
+            bytes(found.ending.bytes as f64),
+            damages(&found.damages)
+        );
+    }
+    let library = if found.library.is_empty() { "an unknown program" } else { &found.library };
     let mut text = format!("{}: {}, written by {library}\n", log.display(), state(found));
     let mut line = |name: &str, what: &str| {
         if !what.is_empty() {

@@ -79,6 +79,13 @@ impl Examination {
         self.ending.whole && self.channels.iter().all(|channel| channel.missing == 0 && channel.gaps == 0)
     }
 
+    /// Whether there is nothing in it that [`recover_log`](super::recover_log) could keep.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        let has_messages = self.channels.iter().any(|channel| channel.messages > 0);
+        !has_messages && self.attachments.is_empty() && self.metadata.is_empty()
+    }
+
     /// How the run ended, as it says itself: `done`, `interrupted`, `diverged`, `failed`. `None` if the log does not say.
     #[must_use]
     pub fn run_end(&self) -> Option<&str> {

@@ -97,6 +97,27 @@ fn a_torn_or_damaged_log_is_told_as_such() {
     folder.run(&["doctor", "tank.ron"]).is_refused_with(&["it is not a log"]);
 }
 
+/// What a run leaves that is killed before the first of its log is on the disk.
+#[test]
+fn a_log_of_which_there_is_only_the_beginning_is_told_as_such() {
+    let folder = Folder::new("beginning");
+    let log = folder.log();
+    for length in [8, 12, 30] {
+        folder.write("head.mcap", &log[..length]);
+        let ran = folder.run(&["doctor", "head.mcap"]);
+        assert_eq!(ran.code(), Some(1), "{}", ran.err());
+        let told = format!("head.mcap: torn, and nothing in its {length} B can be read or recovered");
+        assert!(ran.out().contains(&told), "{}", ran.out());
+        // Nothing made up, and no advice that does not help.
+        for part in ["written by", "?", "storegga recover"] {
+            assert!(!ran.out().contains(part), "{part} is in\n{}", ran.out());
+        }
+        let json = folder.run(&["doctor", "head.mcap", "--json"]).json();
+        assert_eq!((&json["state"], &json["healthy"]), (&Value::from("torn"), &Value::from(false)));
+        folder.run(&["recover", "head.mcap"]).is_refused_with(&["head.mcap: nothing in it can be read"]);
+    }
+}
+
 #[test]
 fn outputs_that_were_never_written_are_gaps() {
     let folder = Folder::new("gaps");
