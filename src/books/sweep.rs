@@ -6,12 +6,10 @@ use rayon::prelude::*;
 
 use super::sums::{BLOCK, BodySums, Kind, PairForces, Worksheet, sum};
 use crate::neighbours::{Neighbours, sum_pairs};
-use crate::particles::{
-    Density, Fluid, Gather, Gathered, GhostVelocity, Mass, Position, Pressure, Slip, Solid, Vector, Velocity,
-    Viscosity, Volume, Wall, WallVelocity, columns,
-};
+use crate::particles::{Fluid, Gather, Gathered, Solid, Vector, Wall, WallVelocity, columns};
 use crate::physics::{
-    ImpactPressure, Momentum, MomentumSettings, PairTerms, PairViscosity, PressureAverage, ViscousForce, with_forms,
+    FluidColumns, FluidState, GhostColumns, GhostState, ImpactPressure, Momentum, MomentumSettings, PairTerms,
+    PressureAverage, ViscousForce, with_forms,
 };
 
 /// What the books need of a particle.
@@ -23,42 +21,13 @@ pub(super) struct Account<const D: usize> {
     is_structure: bool,
 }
 
-type FluidState = (
-    &'static Position,
-    &'static Velocity,
-    &'static Mass,
-    &'static Density,
-    &'static Pressure,
-    &'static Viscosity,
-    &'static ImpactPressure,
-);
-type FluidColumns<'a> =
-    (&'a [Position], &'a [Velocity], &'a [Mass], &'a [Density], &'a [Pressure], &'a [Viscosity], &'a [ImpactPressure]);
-type Ghosts = (
-    &'static Position,
-    &'static GhostVelocity,
-    &'static WallVelocity,
-    &'static Volume,
-    &'static Density,
-    &'static Pressure,
-    &'static Slip,
-);
-type GhostColumns<'a> =
-    (&'a [Position], &'a [GhostVelocity], &'a [WallVelocity], &'a [Volume], &'a [Density], &'a [Pressure], &'a [Slip]);
-
 /// The records of walls or of structures.
 fn ghosts<'a, const D: usize>(
     is_structure: bool,
-    (x, v, v_w, volume, rho, p, slip): GhostColumns<'a>,
+    ((x, v, volume, rho, p, slip), v_w): (GhostColumns<'a>, &'a [WallVelocity]),
 ) -> impl Fn(usize) -> Gathered<D, Account<D>> + Sync + Send + use<'a, D> {
     move |b: usize| {
-        let momentum = Momentum {
-            velocity: v[b].0.into(),
-            volume: volume[b].0,
-            density: rho[b].0,
-            pressure: p[b].0,
-            viscosity: PairViscosity::ghost(slip[b]),
-        };
+        let momentum = Momentum::ghost(v[b], volume[b], rho[b], p[b], slip[b]);
         let state = Account { momentum, wall_velocity: v_w[b].0.into(), is_structure };
         Gathered { position: x[b].0.into(), state }
     }
@@ -71,19 +40,13 @@ pub(super) fn pair_forces<const D: usize>(
     mut gather: Local<Gather<D, Account<D>>>,
     mut sheet: ResMut<Worksheet>,
     fluid: Query<FluidState, With<Fluid>>,
-    walls: Query<Ghosts, With<Wall>>,
-    structures: Query<Ghosts, With<Solid>>,
+    walls: Query<(GhostState, &WallVelocity), With<Wall>>,
+    structures: Query<(GhostState, &WallVelocity), With<Solid>>,
 ) {
     let (walls, structures) = (ghosts(false, columns(&walls)), ghosts(true, columns(&structures)));
     let (x, v, m, rho, p, mu, impact): FluidColumns<'_> = columns(&fluid);
     let own = |i: usize| {
-        let momentum = Momentum {
-            velocity: v[i].0.into(),
-            volume: m[i].0 / rho[i].0,
-            density: rho[i].0,
-            pressure: p[i].0,
-            viscosity: PairViscosity::fluid(mu[i].0),
-        };
+        let momentum = Momentum::fluid(v[i], m[i], rho[i], p[i], mu[i]);
         let state = Account { momentum, wall_velocity: Vector::ZERO, is_structure: false };
         Gathered { position: x[i].0.into(), state }
     };

@@ -15,11 +15,11 @@ use serde::{Deserialize, Serialize};
 use super::Body;
 use crate::neighbours::{Neighbours, sum_pairs};
 use crate::particles::{
-    BodyIndex, Density, Fluid, ForceOnParticle, GRAIN, Gather, Gathered, GhostVelocity, Mass, PIECE, PeriodShift,
-    Position, Pressure, Slip, Solid, Vector, Velocity, Viscosity, Volume, columns,
+    BodyIndex, Fluid, ForceOnParticle, GRAIN, Gather, Gathered, PIECE, PeriodShift, Position, Pressure, Solid, Vector,
+    columns,
 };
 use crate::physics::{
-    EquationOfState, ImpactPressure, Momentum, MomentumSettings, PairTerms, PairViscosity, PressureAverage,
+    EquationOfState, FluidColumns, FluidState, GhostState, Momentum, MomentumSettings, PairTerms, PressureAverage,
     ViscousForce, with_forms,
 };
 
@@ -72,27 +72,6 @@ pub struct Contact<const D: usize> {
     impact: f64,
 }
 
-type FluidState = (
-    &'static Position,
-    &'static Velocity,
-    &'static Mass,
-    &'static Density,
-    &'static Pressure,
-    &'static Viscosity,
-    &'static ImpactPressure,
-);
-type FluidColumns<'a> =
-    (&'a [Position], &'a [Velocity], &'a [Mass], &'a [Density], &'a [Pressure], &'a [Viscosity], &'a [ImpactPressure]);
-type Solids = (
-    &'static Position,
-    &'static GhostVelocity,
-    &'static Volume,
-    &'static Density,
-    &'static Pressure,
-    &'static Slip,
-    &'static mut ForceOnParticle,
-);
-
 /// Computes the force on every solid particle.
 pub fn force_on_particles<const D: usize>(
     settings: Res<MomentumSettings>,
@@ -100,29 +79,18 @@ pub fn force_on_particles<const D: usize>(
     neighbours: Res<Neighbours>,
     mut gather: Local<Gather<D, Contact<D>>>,
     fluid: Query<FluidState, With<Fluid>>,
-    mut structures: Query<Solids, With<Solid>>,
+    mut structures: Query<(GhostState, &mut ForceOnParticle), With<Solid>>,
 ) -> Result {
     let chi = state.background_pressure;
+    let from_chi = |p: Pressure| Pressure(p.0 - chi);
     let (x, v, m, rho, p, mu, impact): FluidColumns<'_> = columns(&fluid);
-    for (x_s, v_s, volume, rho_s, p_s, slip, mut force) in structures.contiguous_iter_mut()? {
+    for ((x_s, v_s, volume, rho_s, p_s, slip), mut force) in structures.contiguous_iter_mut()? {
         let fluid = |i: usize| {
-            let momentum = Momentum {
-                velocity: v[i].0.into(),
-                volume: m[i].0 / rho[i].0,
-                density: rho[i].0,
-                pressure: p[i].0 - chi,
-                viscosity: PairViscosity::fluid(mu[i].0),
-            };
+            let momentum = Momentum::fluid(v[i], m[i], rho[i], from_chi(p[i]), mu[i]);
             Gathered { position: x[i].0.into(), state: Contact { momentum, impact: impact[i].0 } }
         };
         let solid = |s: usize| {
-            let momentum = Momentum {
-                velocity: v_s[s].0.into(),
-                volume: volume[s].0,
-                density: rho_s[s].0,
-                pressure: p_s[s].0 - chi,
-                viscosity: PairViscosity::ghost(slip[s]),
-            };
+            let momentum = Momentum::ghost(v_s[s], volume[s], rho_s[s], from_chi(p_s[s]), slip[s]);
             Gathered { position: x_s[s].0.into(), state: Contact { momentum, impact: 0.0 } }
         };
         // Structures list fluid only: the walls' records are never read.

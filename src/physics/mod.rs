@@ -41,6 +41,6 @@ pub use wall_impact::{ImpactPressure, WallImpact, wall_impact};
 pub(crate) use compression_gradient::LEAST_RATIO;
 pub(crate) use divergence::{GREATEST_COMPRESSION, MOST_STEPS, settle_least_time_step};
 pub(crate) use free_surface::LEAST_FILLING;
-pub(crate) use momentum::{PairTerms, with_forms};
+pub(crate) use momentum::{FluidColumns, FluidState, GhostColumns, GhostState, PairTerms, with_forms};
 pub(crate) use strain_rate::LEAST_DETERMINANT;
 pub(crate) use wall_impact::fullness_in_front;

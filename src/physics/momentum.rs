@@ -103,6 +103,34 @@ pub struct Momentum<const D: usize> {
     pub viscosity: PairViscosity,
 }
 
+impl<const D: usize> Momentum<D> {
+    /// What a fluid particle brings: v, m, ρ, p, μ.
+    #[inline(always)]
+    #[must_use]
+    pub fn fluid(v: Velocity, m: Mass, rho: Density, p: Pressure, mu: Viscosity) -> Self {
+        Self {
+            velocity: v.0.into(),
+            volume: m.0 / rho.0,
+            density: rho.0,
+            pressure: p.0,
+            viscosity: PairViscosity::fluid(mu.0),
+        }
+    }
+
+    /// What a ghost of a wall or structure brings: v_b, V, ρ, p, and how the fluid slips along it.
+    #[inline(always)]
+    #[must_use]
+    pub fn ghost(v: GhostVelocity, volume: Volume, rho: Density, p: Pressure, slip: Slip) -> Self {
+        Self {
+            velocity: v.0.into(),
+            volume: volume.0,
+            density: rho.0,
+            pressure: p.0,
+            viscosity: PairViscosity::ghost(slip),
+        }
+    }
+}
+
 /// Pressure and viscous force of one pair on particle i.
 pub(crate) struct PairTerms;
 
@@ -144,7 +172,8 @@ macro_rules! with_forms {
 }
 pub(crate) use with_forms;
 
-type FluidState = (
+/// What the forces read of fluid particles.
+pub(crate) type FluidState = (
     &'static Position,
     &'static Velocity,
     &'static Mass,
@@ -152,45 +181,36 @@ type FluidState = (
     &'static Pressure,
     &'static Viscosity,
     &'static ImpactPressure,
-    &'static mut Acceleration,
 );
-type Ghosts =
+/// [`FluidState`] as whole columns.
+pub(crate) type FluidColumns<'a> =
+    (&'a [Position], &'a [Velocity], &'a [Mass], &'a [Density], &'a [Pressure], &'a [Viscosity], &'a [ImpactPressure]);
+/// What the forces read of ghosts of walls and structures.
+pub(crate) type GhostState =
     (&'static Position, &'static GhostVelocity, &'static Volume, &'static Density, &'static Pressure, &'static Slip);
-type GhostColumns<'a> = (&'a [Position], &'a [GhostVelocity], &'a [Volume], &'a [Density], &'a [Pressure], &'a [Slip]);
+/// [`GhostState`] as whole columns.
+pub(crate) type GhostColumns<'a> =
+    (&'a [Position], &'a [GhostVelocity], &'a [Volume], &'a [Density], &'a [Pressure], &'a [Slip]);
 
 /// Computes the acceleration of every fluid particle from the forces between particles.
 pub fn momentum<const D: usize>(
     settings: Res<MomentumSettings>,
     neighbours: Res<Neighbours>,
     mut gather: Local<Gather<D, Momentum<D>>>,
-    mut fluid: Query<FluidState, With<Fluid>>,
-    walls: Query<Ghosts, With<Wall>>,
-    structures: Query<Ghosts, With<Solid>>,
+    mut fluid: Query<(FluidState, &mut Acceleration), With<Fluid>>,
+    walls: Query<GhostState, With<Wall>>,
+    structures: Query<GhostState, With<Solid>>,
 ) -> Result {
     let [walls, structures] =
         [columns(&walls), columns(&structures)].map(|(x, v, volume, rho, p, slip): GhostColumns<'_>| {
             move |b: usize| Gathered {
                 position: x[b].0.into(),
-                state: Momentum {
-                    velocity: v[b].0.into(),
-                    volume: volume[b].0,
-                    density: rho[b].0,
-                    pressure: p[b].0,
-                    viscosity: PairViscosity::ghost(slip[b]),
-                },
+                state: Momentum::ghost(v[b], volume[b], rho[b], p[b], slip[b]),
             }
         });
-    for (x, v, m, rho, p, mu, impact, mut acceleration) in fluid.contiguous_iter_mut()? {
-        let own = |i: usize| Gathered {
-            position: x[i].0.into(),
-            state: Momentum {
-                velocity: v[i].0.into(),
-                volume: m[i].0 / rho[i].0,
-                density: rho[i].0,
-                pressure: p[i].0,
-                viscosity: PairViscosity::fluid(mu[i].0),
-            },
-        };
+    for ((x, v, m, rho, p, mu, impact), mut acceleration) in fluid.contiguous_iter_mut()? {
+        let own =
+            |i: usize| Gathered { position: x[i].0.into(), state: Momentum::fluid(v[i], m[i], rho[i], p[i], mu[i]) };
         let records = gather.fill(&neighbours.rows, own, walls, structures);
         let out = acceleration.bypass_change_detection();
         with_forms!(settings, accelerate::<D>(&neighbours, records, m, (mu, impact), out));
