@@ -7,7 +7,8 @@ use bevy_ecs::prelude::Component;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Bound, FlowCurve, Regularisation, Rheology, check_bounds, check_order};
+use super::parameters::check_plastic;
+use super::{FlowCurve, Regularisation, Rheology};
 use crate::scene::Invalid;
 
 /// `μ = μ_p + τ_y/γ̇`, regularised.
@@ -30,14 +31,8 @@ pub struct Bingham {
 
 impl Rheology for Bingham {
     fn check(&self) -> Result<(), Invalid> {
-        check_bounds(&[
-            ("plastic_viscosity", self.plastic_viscosity, Bound::NotNegative, "Pa s"),
-            ("yield_stress", self.yield_stress, Bound::NotNegative, "Pa"),
-            ("max_viscosity", self.max_viscosity, Bound::Positive, "Pa s"),
-        ])?;
-        let plastic = ("plastic_viscosity", self.plastic_viscosity);
-        check_order(plastic, ("max_viscosity", self.max_viscosity), "Pa s")?;
-        self.regularisation.check()
+        let lowest = ("plastic_viscosity", self.plastic_viscosity);
+        check_plastic(lowest, self.yield_stress, self.max_viscosity, self.regularisation)
     }
 
     /// The viscosity at rest.

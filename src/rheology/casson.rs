@@ -8,7 +8,8 @@ use bevy_ecs::prelude::Component;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Bound, FlowCurve, Regularisation, Rheology, check_bounds, check_order};
+use super::parameters::check_plastic;
+use super::{FlowCurve, Regularisation, Rheology};
 use crate::scene::Invalid;
 
 /// `μ = (√μ_∞ + √(τ_y/γ̇))²`, regularised.
@@ -31,14 +32,8 @@ pub struct Casson {
 
 impl Rheology for Casson {
     fn check(&self) -> Result<(), Invalid> {
-        check_bounds(&[
-            ("infinite_shear_viscosity", self.infinite_shear_viscosity, Bound::NotNegative, "Pa s"),
-            ("yield_stress", self.yield_stress, Bound::NotNegative, "Pa"),
-            ("max_viscosity", self.max_viscosity, Bound::Positive, "Pa s"),
-        ])?;
-        let infinite = ("infinite_shear_viscosity", self.infinite_shear_viscosity);
-        check_order(infinite, ("max_viscosity", self.max_viscosity), "Pa s")?;
-        self.regularisation.check()
+        let lowest = ("infinite_shear_viscosity", self.infinite_shear_viscosity);
+        check_plastic(lowest, self.yield_stress, self.max_viscosity, self.regularisation)
     }
 
     /// The viscosity at rest.

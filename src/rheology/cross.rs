@@ -6,6 +6,7 @@ use bevy_ecs::prelude::Component;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::parameters::check_at_most;
 use super::{Bound, FlowCurve, Rheology, check_bounds, check_order};
 use crate::scene::Invalid;
 
@@ -35,13 +36,7 @@ impl Rheology for Cross {
             ("relaxation_time", self.relaxation_time, Bound::NotNegative, "s"),
             ("exponent", self.exponent, Bound::Positive, ""),
         ])?;
-        if self.exponent > 1.0 {
-            let message = format!(
-                "must not be greater than 1 (the stress would fall with the shear rate), got {}",
-                self.exponent
-            );
-            return Err(Invalid::new("exponent", message));
-        }
+        check_at_most(("exponent", self.exponent), 1.0, "the stress would fall with the shear rate")?;
         let infinite = ("infinite_shear_viscosity", self.infinite_shear_viscosity);
         check_order(infinite, ("zero_shear_viscosity", self.zero_shear_viscosity), "Pa s")
     }

@@ -1,5 +1,6 @@
 //! Checks that the parameters of rheologies share.
 
+use super::Regularisation;
 use crate::scene::Invalid;
 
 /// Which values of a parameter make sense.
@@ -38,4 +39,35 @@ pub fn check_order(lower: (&str, f64), upper: (&str, f64), unit: &str) -> Result
     }
     let message = format!("must not be greater than `{}`, got {} and {} {unit}", upper.0, lower.1, upper.1);
     Err(Invalid::new(lower.0, message.trim_end().to_owned()))
+}
+
+/// Refuses a parameter `(name, value)` without unit that is greater than `most`, for this `reason`.
+///
+/// # Errors
+/// The parameter, with its value.
+pub(super) fn check_at_most((name, value): (&str, f64), most: f64, reason: &str) -> Result<(), Invalid> {
+    if value > most {
+        return Err(Invalid::new(name, format!("must not be greater than {most} ({reason}), got {value}")));
+    }
+    Ok(())
+}
+
+/// Checks a fluid whose viscosity falls from the cap μ_max (Pa s), because of a yield stress τ_y (Pa), to `lowest`
+/// (name, Pa s).
+///
+/// # Errors
+/// The first parameter that makes no sense.
+pub(super) fn check_plastic(
+    lowest: (&str, f64),
+    yield_stress: f64,
+    max_viscosity: f64,
+    regularisation: Regularisation,
+) -> Result<(), Invalid> {
+    check_bounds(&[
+        (lowest.0, lowest.1, Bound::NotNegative, "Pa s"),
+        ("yield_stress", yield_stress, Bound::NotNegative, "Pa"),
+        ("max_viscosity", max_viscosity, Bound::Positive, "Pa s"),
+    ])?;
+    check_order(lowest, ("max_viscosity", max_viscosity), "Pa s")?;
+    regularisation.check()
 }
