@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::clock::Clock;
 use crate::particles::{Acceleration, Fluid, GRAIN, PIECE, Velocity};
-use crate::scene::{SceneSection, SectionError};
+use crate::scene::SceneSettings;
 
 /// Gravity, or whatever uniform acceleration the scene gives in its place.
 #[derive(Resource, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
@@ -45,17 +45,8 @@ pub enum Settling {
     },
 }
 
-impl SceneSection for Settling {
+impl SceneSettings for Settling {
     const NAME: &'static str = "settling";
-
-    fn when_absent() -> Option<Self> {
-        Some(Self::Off)
-    }
-
-    fn spawn(self, world: &mut World) -> Result<(), SectionError> {
-        world.insert_resource(self);
-        Ok(())
-    }
 }
 
 impl Settling {

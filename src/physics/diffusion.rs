@@ -22,7 +22,7 @@ use crate::particles::{
     Density, DensityRate, Fluid, GRAIN, Gather, Gathered, Mass, PIECE, Position, ReferenceDensity, Solid, Vector, Wall,
     columns,
 };
-use crate::scene::{Resolution, SceneSection, SectionError};
+use crate::scene::{Resolution, SceneSettings};
 
 /// Which diffusion acts on the density: section `diffusion` of a scene.
 #[derive(Resource, Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -50,17 +50,14 @@ pub enum DensityDiffusion {
     },
 }
 
-impl SceneSection for DensityDiffusion {
+impl Default for DensityDiffusion {
+    fn default() -> Self {
+        Self::Hydrostatic { delta: 0.1 }
+    }
+}
+
+impl SceneSettings for DensityDiffusion {
     const NAME: &'static str = "diffusion";
-
-    fn when_absent() -> Option<Self> {
-        Some(Self::Hydrostatic { delta: 0.1 })
-    }
-
-    fn spawn(self, world: &mut World) -> Result<(), SectionError> {
-        world.insert_resource(self);
-        Ok(())
-    }
 }
 
 /// What the diffusion needs of a particle.

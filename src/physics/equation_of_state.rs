@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::clock::Clock;
 use crate::particles::{Density, DensityRate, Fluid, GRAIN, PIECE, Pressure, ReferenceDensity};
-use crate::scene::{SceneSection, SectionError};
+use crate::scene::SceneSettings;
 
 /// Equation of state, Eqs. 7–9: section `equation_of_state` of a scene.
 #[derive(Resource, Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -38,17 +38,8 @@ impl Default for StateSettings {
     }
 }
 
-impl SceneSection for StateSettings {
+impl SceneSettings for StateSettings {
     const NAME: &'static str = "equation_of_state";
-
-    fn when_absent() -> Option<Self> {
-        Some(Self::default())
-    }
-
-    fn spawn(self, world: &mut World) -> Result<(), SectionError> {
-        world.insert_resource(self);
-        Ok(())
-    }
 }
 
 /// The equation of state of the run.

@@ -27,7 +27,7 @@ use crate::particles::{
     Density, Fluid, GRAIN, Gather, Gathered, Mass, PIECE, Position, Pressure, ReferenceDensity, Solid, Volume, Wall,
     columns,
 };
-use crate::scene::{SceneSection, SectionError};
+use crate::scene::SceneSettings;
 
 /// How the density of detached particles is found: section `free_surface` of a scene. Without effect where there is a
 /// background pressure χ, and so no free surface.
@@ -41,17 +41,8 @@ pub enum FreeSurface {
     Summation,
 }
 
-impl SceneSection for FreeSurface {
+impl SceneSettings for FreeSurface {
     const NAME: &'static str = "free_surface";
-
-    fn when_absent() -> Option<Self> {
-        Some(Self::default())
-    }
-
-    fn spawn(self, world: &mut World) -> Result<(), SectionError> {
-        world.insert_resource(self);
-        Ok(())
-    }
 }
 
 /// φ of a point on a flat surface: below it a particle is detached.

@@ -15,7 +15,7 @@ use crate::particles::{
     Acceleration, Density, Fluid, GRAIN, Gather, Gathered, GhostVelocity, Mass, PIECE, Position, Pressure, Slip, Solid,
     Vector, Velocity, Viscosity, Volume, Wall, columns,
 };
-use crate::scene::{SceneSection, SectionError};
+use crate::scene::SceneSettings;
 
 /// Forms of the two forces between particles: section `momentum` of a scene.
 #[derive(Resource, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -27,17 +27,8 @@ pub struct MomentumSettings {
     pub viscosity: ViscousForm,
 }
 
-impl SceneSection for MomentumSettings {
+impl SceneSettings for MomentumSettings {
     const NAME: &'static str = "momentum";
-
-    fn when_absent() -> Option<Self> {
-        Some(Self::default())
-    }
-
-    fn spawn(self, world: &mut World) -> Result<(), SectionError> {
-        world.insert_resource(self);
-        Ok(())
-    }
 }
 
 /// The viscosity with which a particle enters a pair: its own, or what its wall prescribes.

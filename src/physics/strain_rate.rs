@@ -18,7 +18,7 @@ use crate::particles::{
     Density, Fluid, GRAIN, Gather, Gathered, GhostVelocity, Mass, PIECE, Position, ShearRate, Slip, Solid, Vector,
     Velocity, Volume, Wall, columns,
 };
-use crate::scene::{SceneSection, SectionError};
+use crate::scene::SceneSettings;
 
 /// How ∇v is computed: section `strain_rate` of a scene.
 #[derive(Resource, Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -34,17 +34,8 @@ impl Default for StrainSettings {
     }
 }
 
-impl SceneSection for StrainSettings {
+impl SceneSettings for StrainSettings {
     const NAME: &'static str = "strain_rate";
-
-    fn when_absent() -> Option<Self> {
-        Some(Self::default())
-    }
-
-    fn spawn(self, world: &mut World) -> Result<(), SectionError> {
-        world.insert_resource(self);
-        Ok(())
-    }
 }
 
 /// What ∇v needs of a particle.

@@ -15,7 +15,7 @@ use crate::particles::{
     Acceleration, Density, Fluid, GRAIN, PIECE, Position, ReferenceDensity, Solid, Velocity, Viscosity, Wall,
     WallVelocity,
 };
-use crate::scene::{Resolution, SceneSection, SectionError};
+use crate::scene::{Resolution, SceneSettings};
 
 /// Coefficients of Eq. 19: section `time_step` of a scene.
 #[derive(Resource, Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -42,17 +42,8 @@ impl Default for TimeStepSettings {
     }
 }
 
-impl SceneSection for TimeStepSettings {
+impl SceneSettings for TimeStepSettings {
     const NAME: &'static str = "time_step";
-
-    fn when_absent() -> Option<Self> {
-        Some(Self::default())
-    }
-
-    fn spawn(self, world: &mut World) -> Result<(), SectionError> {
-        world.insert_resource(self);
-        Ok(())
-    }
 }
 
 impl TimeStepSettings {

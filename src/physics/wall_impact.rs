@@ -29,7 +29,7 @@ use crate::neighbours::{Neighbours, Pairs, Rows};
 use crate::particles::{
     Density, Fluid, GRAIN, PIECE, Position, ReferenceDensity, Solid, Velocity, Volume, Wall, WallVelocity, columns,
 };
-use crate::scene::{Resolution, SceneSection, SectionError};
+use crate::scene::{Resolution, SceneSettings};
 
 /// Whether walls and structures stop fluid that comes too near: section `wall_impact` of a scene.
 #[derive(Resource, Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -42,17 +42,8 @@ pub enum WallImpact {
     Riemann,
 }
 
-impl SceneSection for WallImpact {
+impl SceneSettings for WallImpact {
     const NAME: &'static str = "wall_impact";
-
-    fn when_absent() -> Option<Self> {
-        Some(Self::default())
-    }
-
-    fn spawn(self, world: &mut World) -> Result<(), SectionError> {
-        world.insert_resource(self);
-        Ok(())
-    }
 }
 
 /// p^w (Pa) with which walls act on a fluid particle that is about to enter them, beside the pressure.

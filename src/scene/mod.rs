@@ -26,7 +26,7 @@ pub use hydrostatics::{Column, Layer};
 pub use invalid::Invalid;
 pub(crate) use limits::{bytes_of, limit_particles};
 pub use load::{Deferred, SceneDocument, load_scene, read_header};
-pub use section::{SceneFacts, SceneSection, SectionError, SectionRegistry};
+pub use section::{SceneFacts, SceneSection, SceneSettings, SectionError, SectionRegistry};
 pub use variant::open_document;
 
 /// The complaint that nothing called `found` exists among the `known` names of `what`.

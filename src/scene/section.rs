@@ -62,6 +62,27 @@ pub trait SceneSection: Serialize + DeserializeOwned + JsonSchema + Send + Sync 
     fn spawn(self, world: &mut World) -> Result<(), SectionError>;
 }
 
+/// A section that takes effect by being a resource, and that a scene may leave out.
+///
+/// It needs no [`check`](SceneSection::check) beyond the ranges that it states.
+pub trait SceneSettings: Resource + Default + Serialize + DeserializeOwned + JsonSchema {
+    /// Name of the field.
+    const NAME: &'static str;
+}
+
+impl<S: SceneSettings> SceneSection for S {
+    const NAME: &'static str = <S as SceneSettings>::NAME;
+
+    fn when_absent() -> Option<Self> {
+        Some(Self::default())
+    }
+
+    fn spawn(self, world: &mut World) -> Result<(), SectionError> {
+        world.insert_resource(self);
+        Ok(())
+    }
+}
+
 /// Every number that shapes a run, and which of them the scene left open.
 #[derive(Resource, Debug, Clone, Default)]
 pub struct SceneFacts {
