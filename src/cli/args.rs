@@ -93,12 +93,8 @@ pub(super) struct RunArgs {
     pub checkpoint_every_wall: Option<f64>,
     #[command(flatten)]
     pub threads: Threads,
-    /// Print one JSON object to standard output, and nothing else there.
-    #[arg(long)]
-    pub json: bool,
-    /// No progress and no summary; errors and failed expectations still go to standard error.
-    #[arg(long, short)]
-    pub quiet: bool,
+    #[command(flatten)]
+    pub shown: Shown,
 }
 
 /// Arguments of `storegga resume`.
@@ -126,12 +122,8 @@ pub(super) struct ResumeArgs {
     pub until: Option<f64>,
     #[command(flatten)]
     pub threads: Threads,
-    /// Print one JSON object to standard output, and nothing else there.
-    #[arg(long)]
-    pub json: bool,
-    /// No progress and no summary; errors and failed expectations still go to standard error.
-    #[arg(long, short)]
-    pub quiet: bool,
+    #[command(flatten)]
+    pub shown: Shown,
 }
 
 /// Arguments of `storegga check`.
@@ -226,6 +218,17 @@ pub(super) struct Overrides {
     /// phases.mud.rheology.yield_stress=500; can be given again and again.
     #[arg(long = "set", value_name = "PATH=VALUE")]
     pub set: Vec<String>,
+}
+
+/// What a run shows.
+#[derive(Debug, Clone, Copy, Args)]
+pub(super) struct Shown {
+    /// Print one JSON object to standard output, and nothing else there.
+    #[arg(long)]
+    pub json: bool,
+    /// No progress and no summary; errors and failed expectations still go to standard error.
+    #[arg(long, short)]
+    pub quiet: bool,
 }
 
 /// Number of threads.

@@ -8,7 +8,7 @@ use super::args::ResumeArgs;
 use super::exit::{self, complain};
 use super::number::{count, short};
 use super::progress::Progress;
-use super::run::Show;
+use super::run::show;
 use super::simulate::{Settings, simulate};
 use crate::app::open;
 use crate::checkpoint::{Checkpoint, Origin};
@@ -30,7 +30,7 @@ pub(super) fn resume<P: PluginGroup>(args: &ResumeArgs, plugins: fn() -> P) -> R
     let log = checkpoint.find(&about.origin.log);
     let stop = exit::stop_on_interrupt();
     let mut app = open(plugins(), document)?;
-    if !args.quiet {
+    if !args.shown.quiet {
         let place = format!("t = {} s, step {}", short(about.time), count(about.step));
         complain(&format!("going on with {} from {place}\n", scene.display()));
     }
@@ -43,6 +43,6 @@ pub(super) fn resume<P: PluginGroup>(args: &ResumeArgs, plugins: fn() -> P) -> R
         resume: Some(&checkpoint),
         threads: args.threads.count(),
     };
-    let outcome = simulate(&mut app, &settings, &stop, &mut Progress::new(args.quiet))?;
-    Show { scene: &scene, json: args.json, quiet: args.quiet }.end(&log, &outcome)
+    let outcome = simulate(&mut app, &settings, &stop, &mut Progress::new(args.shown.quiet))?;
+    show(&scene, args.shown, &log, &outcome)
 }

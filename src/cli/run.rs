@@ -7,7 +7,7 @@ use std::process::ExitCode;
 
 use bevy_app::PluginGroup;
 
-use super::args::RunArgs;
+use super::args::{RunArgs, Shown};
 use super::exit::{self, complain, say};
 use super::number::short;
 use super::progress::Progress;
@@ -32,7 +32,7 @@ pub(super) fn run<P: PluginGroup>(args: &RunArgs, plugins: fn() -> P) -> Result<
     let mut app = open(plugins(), document)?;
     make_folder(&log)?;
     let warnings = warnings::warnings(app.world_mut());
-    if !args.quiet {
+    if !args.shown.quiet {
         complain(&warnings::text(&warnings, exit::colour()));
     }
     if let Some(kept) = keep_unfinished(&log)? {
@@ -46,8 +46,8 @@ pub(super) fn run<P: PluginGroup>(args: &RunArgs, plugins: fn() -> P) -> Result<
         resume: None,
         threads: args.threads.count(),
     };
-    let outcome = simulate(&mut app, &settings, &stop, &mut Progress::new(args.quiet))?;
-    Show { scene: &args.scene, json: args.json, quiet: args.quiet }.end(&log, &outcome)
+    let outcome = simulate(&mut app, &settings, &stop, &mut Progress::new(args.shown.quiet))?;
+    show(&args.scene, args.shown, &log, &outcome)
 }
 
 /// Where the checkpoints go, if there are to be any.
@@ -66,22 +66,13 @@ fn checkpoints(args: &RunArgs, log: &Path) -> Option<(PathBuf, Origin)> {
     Some((checkpoint_of(log), origin))
 }
 
-/// How a run shows what came out.
-pub(super) struct Show<'a> {
-    pub scene: &'a Path,
-    pub json: bool,
-    pub quiet: bool,
-}
-
-impl Show<'_> {
-    /// Prints what came out, and returns the exit code.
-    ///
-    /// # Errors
-    /// The log could not be written.
-    pub fn end(&self, log: &Path, outcome: &Outcome) -> Result<ExitCode, UserError> {
-        tell(self, log, outcome);
-        code(log, outcome)
-    }
+/// Prints what came out of a run, and returns the exit code.
+///
+/// # Errors
+/// The log could not be written.
+pub(super) fn show(scene: &Path, shown: Shown, log: &Path, outcome: &Outcome) -> Result<ExitCode, UserError> {
+    tell(scene, shown, log, outcome);
+    code(log, outcome)
 }
 
 /// The exit code of a run.
@@ -108,11 +99,11 @@ fn log_failed(why: &str, log: &Path, outcome: &Outcome) -> UserError {
 }
 
 /// Prints what came out: the result to standard output, what is wrong to standard error.
-fn tell(show: &Show<'_>, log: &Path, outcome: &Outcome) {
-    if show.json {
-        say(&format!("{}\n", json::object(show.scene, log, outcome)));
-    } else if !show.quiet {
-        say(&summary(show.scene, log, outcome));
+fn tell(scene: &Path, shown: Shown, log: &Path, outcome: &Outcome) {
+    if shown.json {
+        say(&format!("{}\n", json::object(scene, log, outcome)));
+    } else if !shown.quiet {
+        say(&summary(scene, log, outcome));
     }
     if let End::Failed(what) = &outcome.end {
         complain(&format!(
@@ -127,7 +118,7 @@ fn tell(show: &Show<'_>, log: &Path, outcome: &Outcome) {
     if let (End::Interrupted | End::LogFailed(_), Some(checkpoint)) = (&outcome.end, &outcome.checkpoint) {
         complain(&format!("The run can go on: storegga resume {}\n", checkpoint.display()));
     }
-    if (show.json || show.quiet) && !outcome.passes() {
+    if (shown.json || shown.quiet) && !outcome.passes() {
         complain(&checks_table(outcome.checks.as_deref().unwrap_or_default()));
     }
 }
