@@ -1,7 +1,9 @@
 //! The page on scene files knows every field that a shipped scene has or leaves open, and every name it can use.
 
+#[path = "support/shipped.rs"]
+mod shipped;
+
 use std::collections::BTreeSet;
-use std::path::Path;
 
 use storegga::app::open;
 use storegga::kernels::KernelRegistry;
@@ -15,14 +17,9 @@ const NAMED: [&str; 5] = ["phases", "walls", "structures", "probes", "relaxation
 
 #[test]
 fn every_field_and_name_is_documented() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let page = std::fs::read_to_string(root.join("docs/scene.md")).expect("the page is there");
+    let page = std::fs::read_to_string(shipped::root().join("docs/scene.md")).expect("the page is there");
     let mut words = BTreeSet::new();
-    for entry in std::fs::read_dir(root.join("scenes")).expect("scenes are there").filter_map(Result::ok) {
-        let path = entry.path();
-        if path.extension().is_none_or(|end| end != "ron") {
-            continue;
-        }
+    for path in shipped::scenes("scenes") {
         let document = open_document(&path, &[]).unwrap_or_else(|error| panic!("{}", error.render(false)));
         let app = open(StandardPlugins, document).unwrap_or_else(|error| panic!("{}", error.render(false)));
         for (path, _) in &app.world().resource::<SceneFacts>().parameters {

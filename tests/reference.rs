@@ -1,7 +1,10 @@
 //! The reference page and the JSON Schema of scenes, as the shipped plugins make them.
 
+#[path = "support/shipped.rs"]
+mod shipped;
+
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use bevy_app::App;
 use serde_json::{Value, json};
@@ -22,14 +25,9 @@ fn schema() -> Value {
     scene_schema(app().world())
 }
 
-/// The root of the repository.
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
-}
-
 #[test]
 fn the_page_in_the_repository_is_that_of_the_types() {
-    let committed = std::fs::read_to_string(root().join("docs/scene.md")).expect("the page is there");
+    let committed = std::fs::read_to_string(shipped::root().join("docs/scene.md")).expect("the page is there");
     let made = reference_page(app().world());
     if let Some((line, (old, new))) = committed.lines().zip(made.lines()).enumerate().find(|(_, (old, new))| old != new)
     {
@@ -141,12 +139,8 @@ fn json(node: &Node, text: &str) -> Value {
 }
 
 fn scenes(folder: &str) -> Vec<(PathBuf, Document)> {
-    let entries = std::fs::read_dir(root().join(folder)).expect("there are scenes").filter_map(Result::ok);
-    let mut files: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
-    files.retain(|file| file.extension().is_some_and(|end| end == "ron"));
-    files.sort();
     let open = |file: &PathBuf| open_document(file, &[]).unwrap_or_else(|error| panic!("{}", error.render(false)));
-    files.iter().map(|file| (file.clone(), open(file))).collect()
+    shipped::scenes(folder).into_iter().map(|file| (file.clone(), open(&file))).collect()
 }
 
 #[test]

@@ -1,7 +1,9 @@
 //! Every scene that has expectations is a test: the coarse variants in `scenes/ci`, and with `STOREGGA_FULL=1` the shipped
 //! scenes at their own spacing and their variants in `scenes/fine` too.
 
-use std::fs;
+#[path = "support/shipped.rs"]
+mod shipped;
+
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -13,25 +15,20 @@ use storegga_standard::StandardPlugins;
 
 fn main() -> ExitCode {
     let arguments = Arguments::from_args();
-    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
     let full = std::env::var_os("STOREGGA_FULL").is_some_and(|value| value == "1");
-    let coarse = trials(&scenes.join("ci"), "ci/", false);
-    let shipped = trials(&scenes, "", !full);
-    let fine = trials(&scenes.join("fine"), "fine/", !full);
+    let coarse = trials("scenes/ci", "ci/", false);
+    let shipped = trials("scenes", "", !full);
+    let fine = trials("scenes/fine", "fine/", !full);
     libtest_mimic::run(&arguments, coarse.into_iter().chain(shipped).chain(fine).collect()).exit_code()
 }
 
 /// A test for each scene of a folder that has expectations or cannot be read.
-fn trials(folder: &Path, prefix: &str, ignored: bool) -> Vec<Trial> {
-    let entries = fs::read_dir(folder).into_iter().flatten().filter_map(Result::ok);
-    let mut files: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
-    files.retain(|path| path.extension().is_some_and(|end| end == "ron") && is_expected_of(path));
-    files.sort();
+fn trials(folder: &str, prefix: &str, ignored: bool) -> Vec<Trial> {
     let trial = |path: PathBuf| {
         let name = format!("{prefix}{}", path.file_stem().unwrap_or_default().to_string_lossy());
         Trial::test(name, move || meets_expectations(&path)).with_ignored_flag(ignored)
     };
-    files.into_iter().map(trial).collect()
+    shipped::scenes(folder).into_iter().filter(|path| is_expected_of(path)).map(trial).collect()
 }
 
 fn is_expected_of(path: &Path) -> bool {
