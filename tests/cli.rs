@@ -1,100 +1,30 @@
 //! The program as its users meet it: exit codes, messages, the JSON object, logs of runs that end in every way.
 
+#[path = "support/program.rs"]
+mod program;
+
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Output, Stdio};
-use std::thread::sleep;
-use std::time::{Duration, Instant};
 
 use mcap::MessageStream;
 use mcap::read::Options;
+use program::{Folder, Ran, TANK, assert_parts};
 use serde_json::Value;
 
-const TANK: &str = r#"Scene(
-    title: "A small tank",
-    dimension: 2,
-    spacing: 0.01,
-    gravity: (0.0, -9.81),
-    end_time: 0.05,
-    phases: {"water": (reference_density: 1000.0, rheology: Newtonian(viscosity: 0.001))},
-    walls: {"tank": (shape: Box(min: (0.0, 0.0), max: (0.2, 0.2)), slip: NoSlip)},
-    fluids: [(phase: "water", shape: Box(min: (0.0, 0.0), max: (0.2, 0.1)))],
-    log: (particles: 0.01, series: 0.005),
-)
-"#;
-
-/// A folder with the scene `tank.ron`, in which the program runs; removed at the end of the test.
-struct Folder(PathBuf);
-
 impl Folder {
-    fn new(name: &str, scene: &str) -> Self {
-        let folder = std::env::temp_dir().join(format!("storegga-cli-{}-{name}", std::process::id()));
-        fs::create_dir_all(&folder).unwrap();
-        fs::write(folder.join("tank.ron"), scene).unwrap();
-        Self(folder)
+    /// A folder with this scene as `tank.ron`.
+    fn with(name: &str, scene: &str) -> Self {
+        let folder = Self::new(name);
+        folder.write("tank.ron", scene);
+        folder
     }
 
     fn tank(name: &str) -> Self {
-        Self::new(name, TANK)
-    }
-
-    fn command(&self, arguments: &[&str]) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_storegga"));
-        command.args(arguments).current_dir(&self.0);
-        command
-    }
-
-    fn run(&self, arguments: &[&str]) -> Ran {
-        Ran(self.command(arguments).output().unwrap())
+        Self::with(name, TANK)
     }
 
     fn log(&self) -> PathBuf {
-        self.0.join("runs/tank.mcap")
-    }
-
-    /// Starts a run that would last for hours, and waits until its log has some frames.
-    fn start_long_run(&self) -> Child {
-        let arguments = ["run", "tank.ron", "--set", "end_time=10000.0", "--quiet", "--threads", "1"];
-        let child = self.command(&arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-        let start = Instant::now();
-        while fs::metadata(self.log()).map_or(0, |data| data.len()) < 60_000 {
-            assert!(start.elapsed() < Duration::from_secs(60), "no log appears");
-            sleep(Duration::from_millis(20));
-        }
-        child
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
-
-struct Ran(Output);
-
-impl Ran {
-    fn code(&self) -> Option<i32> {
-        self.0.status.code()
-    }
-
-    fn out(&self) -> String {
-        String::from_utf8_lossy(&self.0.stdout).into_owned()
-    }
-
-    fn err(&self) -> String {
-        String::from_utf8_lossy(&self.0.stderr).into_owned()
-    }
-
-    fn json(&self) -> Value {
-        serde_json::from_slice(&self.0.stdout).unwrap_or_else(|error| panic!("{error}: {}{}", self.out(), self.err()))
-    }
-
-    #[track_caller]
-    fn is_refused_with(&self, parts: &[&str]) {
-        assert_eq!(self.code(), Some(2), "{}", self.err());
-        assert_eq!(self.out(), "");
-        parts.iter().for_each(|part| assert!(self.err().contains(part), "{part} is not in\n{}", self.err()));
+        self.path("runs/tank.mcap")
     }
 }
 
@@ -102,13 +32,6 @@ impl Ran {
 fn expecting_mass() -> String {
     let expect = "    expect: [(name: \"mass\", of: \"energy.mass\", is: Between(1.0, 25.0))],\n)\n";
     TANK.replace("\n)\n", &format!("\n{expect}"))
-}
-
-/// Sends a signal to a running program.
-#[cfg(unix)]
-fn interrupt(child: &Child, signal: &str) {
-    let sent = Command::new("kill").args([&format!("-{signal}"), &child.id().to_string()]).status().unwrap();
-    assert!(sent.success());
 }
 
 /// Number of messages of a topic in a log, whole or torn.
@@ -134,10 +57,8 @@ fn is_finished(log: &Path) -> bool {
 fn a_run_ends_with_0_and_a_finished_log() {
     let folder = Folder::tank("done");
     let ran = folder.run(&["run", "tank.ron"]);
-    assert_eq!(ran.code(), Some(0), "{}", ran.err());
-    for part in ["done at t = 0.05 s", "200 fluid", "runs/tank.mcap"] {
-        assert!(ran.out().contains(part), "{part} is not in\n{}", ran.out());
-    }
+    ran.ended_with(0);
+    assert_parts(&ran.out(), &["done at t = 0.05 s", "200 fluid", "runs/tank.mcap"]);
     assert!(is_finished(&folder.log()));
     assert_eq!(messages(&folder.log(), "/particles"), 6);
     assert_eq!(messages(&folder.log(), "/walls"), 1);
@@ -150,7 +71,7 @@ fn a_run_ends_with_0_and_a_finished_log() {
 fn the_log_holds_the_scene_and_every_number() {
     let folder = Folder::tank("numbers");
     folder.run(&["run", "tank.ron", "--until", "0.001", "--set", "spacing=0.02", "--out", "a/b.mcap"]);
-    let bytes = fs::read(folder.0.join("a/b.mcap")).unwrap();
+    let bytes = fs::read(folder.path("a/b.mcap")).unwrap();
     let summary = mcap::Summary::read(&bytes).unwrap().unwrap();
     let attachment = mcap::read::attachment(&bytes, &summary.attachment_indexes[0]).unwrap();
     assert_eq!(attachment.name, "tank.ron");
@@ -185,19 +106,19 @@ fn json_is_one_object_and_nothing_else() {
 fn expectations_decide_between_0_and_1() {
     for (name, most, code) in [("met", 25.0, 0), ("failed", 15.0, 1)] {
         let expect = format!("    expect: [(name: \"mass\", of: \"energy.mass\", is: Between(1.0, {most:?}))],\n)\n");
-        let folder = Folder::new(name, &TANK.replace("\n)\n", &format!("\n{expect}")));
+        let folder = Folder::with(name, &TANK.replace("\n)\n", &format!("\n{expect}")));
         let ran = folder.run(&["run", "tank.ron", "--json"]);
-        assert_eq!(ran.code(), Some(code), "{}", ran.err());
+        ran.ended_with(code);
         let check = &ran.json()["checks"][0];
         assert_eq!((&check["name"], &check["pass"]), (&Value::from("mass"), &Value::from(code == 0)));
         assert!((check["value"].as_f64().unwrap() - 20.0).abs() < 0.1, "{check}");
         let (expected, tolerance) = (check["expected"].as_f64().unwrap(), check["tolerance"].as_f64().unwrap());
         assert_eq!((expected - tolerance, expected + tolerance, &check["unit"]), (1.0, most, &Value::from("kg")));
         let ran = folder.run(&["test", "tank.ron"]);
-        assert_eq!(ran.code(), Some(code), "{}", ran.err());
+        ran.ended_with(code);
         assert!(ran.out().contains(if code == 0 { "pass" } else { "FAIL" }), "{}", ran.out());
         let ran = folder.run(&["test", "--scenes", "."]);
-        assert_eq!(ran.code(), Some(code), "{}", ran.err());
+        ran.ended_with(code);
         // A part of a run says nothing about its end.
         assert_eq!(folder.run(&["run", "tank.ron", "--until", "0.01"]).code(), Some(0));
     }
@@ -205,16 +126,16 @@ fn expectations_decide_between_0_and_1() {
 
 #[test]
 fn misspelt_fields_are_shown_with_the_nearest_name() {
-    let folder = Folder::new("misspelt", &TANK.replace("reference_density", "refrence_density"));
+    let folder = Folder::with("misspelt", &TANK.replace("reference_density", "refrence_density"));
     let parts = ["tank.ron:7:24", "\"water\": (refrence_density", "did you mean `reference_density`?"];
     folder.run(&["run", "tank.ron"]).is_refused_with(&parts);
     folder.run(&["check", "tank.ron"]).is_refused_with(&parts);
-    assert!(!folder.0.join("runs").exists());
+    assert!(!folder.path("runs").exists());
 }
 
 #[test]
 fn a_missing_field_is_told_with_what_it_is() {
-    let folder = Folder::new("missing-field", &TANK.replace("    spacing: 0.01,\n", ""));
+    let folder = Folder::with("missing-field", &TANK.replace("    spacing: 0.01,\n", ""));
     folder
         .run(&["check", "tank.ron"])
         .is_refused_with(&["`spacing` is missing: the initial distance of particles (m)"]);
@@ -223,7 +144,7 @@ fn a_missing_field_is_told_with_what_it_is() {
 #[test]
 fn numbers_that_are_none_are_refused() {
     for (name, wrong) in [("nan", "NaN"), ("inf", "inf")] {
-        let folder = Folder::new(name, &TANK.replace("spacing: 0.01", &format!("spacing: {wrong}")));
+        let folder = Folder::with(name, &TANK.replace("spacing: 0.01", &format!("spacing: {wrong}")));
         folder.run(&["run", "tank.ron"]).is_refused_with(&["tank.ron:4:14", "finite"]);
     }
 }
@@ -258,15 +179,15 @@ fn missing_files_and_wrong_options_are_refused() {
 fn a_log_replaces_nothing_but_a_log() {
     let folder = Folder::tank("replaces");
     let run = |out: &str| folder.run(&["run", "tank.ron", "--until", "0.001", "--quiet", "--out", out]);
-    fs::write(folder.0.join("short"), "x").unwrap();
+    folder.write("short", "x");
     for out in ["tank.ron", "short"] {
         run(out).is_refused_with(&[&format!("{out} exists and is not a log"), "--out"]);
     }
-    assert_eq!(fs::read_to_string(folder.0.join("tank.ron")).unwrap(), TANK);
-    fs::write(folder.0.join("new.mcap"), "").unwrap();
+    assert_eq!(fs::read_to_string(folder.path("tank.ron")).unwrap(), TANK);
+    folder.write("new.mcap", "");
     for _ in 0..2 {
         let ran = run("new.mcap");
-        assert_eq!(ran.code(), Some(0), "{}", ran.err());
+        ran.ended_with(0);
     }
 }
 
@@ -275,8 +196,8 @@ fn a_diverging_run_ends_with_3_and_a_log_that_reads() {
     let folder = Folder::tank("diverging");
     let sets = ["--set", "fluids.0.velocity=(50.0, 0.0)", "--set", "equation_of_state.max_speed=1"];
     let ran = folder.run(&[&["run", "tank.ron", "--json"][..], &sets].concat());
-    assert_eq!(ran.code(), Some(3), "{}", ran.err());
-    for part in [
+    ran.ended_with(3);
+    let parts = [
         "diverged at t = ",
         "particle ",
         "`water`",
@@ -285,9 +206,8 @@ fn a_diverging_run_ends_with_3_and_a_log_that_reads() {
         "neighbours (about 39 in the midst of a fluid)",
         "--set equation_of_state.max_speed=",
         "closed and readable",
-    ] {
-        assert!(ran.err().contains(part), "{part} is not in\n{}", ran.err());
-    }
+    ];
+    assert_parts(&ran.err(), &parts);
     let json = ran.json();
     assert_eq!(json["end"], "diverged");
     let told = &json["divergence"];
@@ -308,9 +228,9 @@ fn a_diverging_run_ends_with_3_and_a_log_that_reads() {
 #[test]
 fn a_variant_is_its_scene_with_other_values() {
     let folder = Folder::tank("variant");
-    fs::write(folder.0.join("coarse.ron"), "Variant(of: \"tank.ron\", set: {\"spacing\": \"0.02\"})").unwrap();
+    folder.write("coarse.ron", "Variant(of: \"tank.ron\", set: {\"spacing\": \"0.02\"})");
     assert_eq!(folder.run(&["run", "coarse.ron", "--json"]).json()["particles"]["fluid"], 50);
-    fs::write(folder.0.join("wrong.ron"), "Variant(of: \"tank.ron\", set: {\"spacing\": \"-1\"})").unwrap();
+    folder.write("wrong.ron", "Variant(of: \"tank.ron\", set: {\"spacing\": \"-1\"})");
     folder.run(&["run", "wrong.ron"]).is_refused_with(&["wrong.ron:1:42", "must be greater than 0"]);
 }
 
@@ -318,7 +238,7 @@ fn a_variant_is_its_scene_with_other_values() {
 fn check_tells_the_run_before_it_is_run() {
     let folder = Folder::tank("check");
     let ran = folder.run(&["check", "tank.ron"]);
-    assert_eq!(ran.code(), Some(0), "{}", ran.err());
+    ran.ended_with(0);
     let parts = [
         "200 fluid",
         "v_max",
@@ -328,10 +248,10 @@ fn check_tells_the_run_before_it_is_run() {
         "1/2 < ρ/ρ0 < 2, Δt ≥ ",
         "QuinticSpline, support 0.036 m",
     ];
-    parts.iter().for_each(|part| assert!(ran.out().contains(part), "{part} is not in\n{}", ran.out()));
-    assert!(!folder.0.join("runs").exists());
+    assert_parts(&ran.out(), &parts);
+    assert!(!folder.path("runs").exists());
     let ran = folder.run(&["check", "tank.ron", "--set", "spacing=0.0098"]);
-    assert!(ran.out().contains("Warning: `fluids.0.shape`: x = 0.2 m of `max`"), "{}", ran.out());
+    assert_parts(&ran.out(), &["Warning: `fluids.0.shape`: x = 0.2 m of `max`"]);
 }
 
 #[test]
@@ -346,18 +266,18 @@ fn help_names_the_page_of_fields() {
 fn scenes_are_listed_a_line_each() {
     let folder = Folder::tank("scenes");
     let ran = folder.run(&["scenes", "--scenes", "."]);
-    assert!(ran.out().contains("tank.ron  A small tank  2D         0.01 m"), "{}", ran.out());
+    assert_parts(&ran.out(), &["tank.ron  A small tank  2D         0.01 m"]);
 }
 
 #[test]
 fn a_scene_that_is_wrong_does_not_hide_the_others() {
-    let folder = Folder::new("others", &expecting_mass());
-    fs::write(folder.0.join("a.ron"), TANK.replace("spacing", "spacng")).unwrap();
+    let folder = Folder::with("others", &expecting_mass());
+    folder.write("a.ron", TANK.replace("spacing", "spacng"));
     for arguments in [&["scenes", "--scenes", "."][..], &["test", "--scenes", "."], &["test", "a.ron", "tank.ron"]] {
         let ran = folder.run(arguments);
-        assert_eq!(ran.code(), Some(2), "{}", ran.err());
-        assert!(ran.err().contains("did you mean `spacing`?"), "{}", ran.err());
-        assert!(ran.out().contains("tank.ron"), "{}", ran.out());
+        ran.ended_with(2);
+        assert_parts(&ran.err(), &["did you mean `spacing`?"]);
+        assert_parts(&ran.out(), &["tank.ron"]);
     }
 }
 
@@ -366,16 +286,15 @@ fn a_scene_that_is_wrong_does_not_hide_the_others() {
 fn an_interrupted_test_tells_what_was_done() {
     use std::io::{BufRead, BufReader};
 
-    let folder = Folder::new("told", &expecting_mass());
-    fs::write(folder.0.join("long.ron"), expecting_mass().replace("end_time: 0.05", "end_time: 10000.0")).unwrap();
-    let mut command = folder.command(&["test", "tank.ron", "long.ron"]);
-    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let folder = Folder::with("told", &expecting_mass());
+    folder.write("long.ron", expecting_mass().replace("end_time: 0.05", "end_time: 10000.0"));
+    let mut child = folder.start(&["test", "tank.ron", "long.ron"]);
     let told = BufReader::new(child.stderr.take().unwrap()).lines().map_while(Result::ok);
     let mut told = told.skip_while(|line| !line.contains("long.ron"));
     assert!(told.next().is_some(), "the second scene was never begun");
-    interrupt(&child, "INT");
-    let ran = Ran(child.wait_with_output().unwrap());
-    assert_eq!(ran.code(), Some(130));
+    program::interrupt(&child, "INT");
+    let ran = Ran::of(child);
+    ran.ended_with(130);
     assert!(ran.out().contains("tank.ron  mass") && !ran.out().contains("long.ron"), "{}", ran.out());
 }
 
@@ -403,7 +322,7 @@ fn an_interrupted_run_ends_with_130_and_a_finished_log() {
     for signal in ["INT", "TERM"] {
         let folder = Folder::tank(&format!("interrupted-{signal}"));
         let mut child = folder.start_long_run();
-        interrupt(&child, signal);
+        program::interrupt(&child, signal);
         assert_eq!(child.wait().unwrap().code(), Some(130), "{signal}");
         assert!(is_finished(&folder.log()), "{signal}");
     }

@@ -1,9 +1,10 @@
 //! What the program says about each kind of mistake in a scene: messages as snapshots, reviewed by reading
 //! (`INSTA_UPDATE=always cargo test -p storegga-standard --test mistakes`, then look at `git diff tests/snapshots`).
 
-use std::fs;
-use std::path::PathBuf;
-use std::process::Command;
+#[path = "support/program.rs"]
+mod program;
+
+use program::Folder;
 
 const SCENE: &str = r#"Scene(
     title: "A small tank",
@@ -32,35 +33,17 @@ const SCENE: &str = r#"Scene(
 )
 "#;
 
-/// A folder of one test, removed at its end.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let folder = std::env::temp_dir().join(format!("storegga-mistakes-{}-{name}", std::process::id()));
-        fs::create_dir_all(&folder).unwrap();
-        Self(folder)
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
-
 /// What `storegga check` says to a scene, its exit code first. Of a scene that can be run, the warnings.
 fn said(name: &str, scene: &str, arguments: &[&str], files: &[(&str, &str)]) -> String {
     let folder = Folder::new(name);
     for (file, text) in files.iter().chain(&[("scene.ron", scene)]) {
-        fs::write(folder.0.join(file), text).unwrap();
+        folder.write(file, text);
     }
-    let mut command = Command::new(env!("CARGO_BIN_EXE_storegga"));
-    let ran = command.args(["check", "scene.ron"]).args(arguments).current_dir(&folder.0).output().unwrap();
-    let (out, err) = (String::from_utf8_lossy(&ran.stdout), String::from_utf8_lossy(&ran.stderr));
+    let ran = folder.run(&[&["check", "scene.ron"], arguments].concat());
+    let (out, err) = (ran.out(), ran.err());
     let warnings = out.find("Warning:").map(|start| &out[start..]).unwrap_or_default();
     let said: Vec<String> = err.lines().chain(warnings.lines()).map(without_all_names).collect();
-    format!("exit code {}\n{}", ran.status.code().unwrap_or(-1), said.join("\n"))
+    format!("exit code {}\n{}", ran.code().unwrap_or(-1), said.join("\n"))
 }
 
 /// A line of a message without all but the first name of a list, which grows with every plugin.

@@ -4,7 +4,8 @@ use mcap::{MessageStream, Summary};
 use serde_json::Value;
 use storegga::log::{Field, LogWriter};
 
-use crate::{Folder, chunks};
+use crate::chunks;
+use crate::program::{Folder, assert_parts};
 
 fn channel<'a>(json: &'a Value, topic: &str) -> &'a Value {
     json["channels"].as_array().unwrap().iter().find(|channel| channel["topic"] == topic).unwrap()
@@ -12,10 +13,10 @@ fn channel<'a>(json: &'a Value, topic: &str) -> &'a Value {
 
 #[test]
 fn a_whole_log_is_healthy_and_told_in_full() {
-    let folder = Folder::new("healthy");
+    let folder = Folder::tank("healthy");
     let log = folder.log();
     let ran = folder.run(&["doctor", "runs/tank.mcap", "--json"]);
-    assert_eq!(ran.code(), Some(0), "{}", ran.err());
+    ran.ended_with(0);
     let json = ran.json();
     assert_eq!((&json["state"], &json["end"]), (&Value::from("whole"), &Value::from("done")));
     assert_eq!(json["bytes"], log.len());
@@ -51,22 +52,20 @@ fn a_whole_log_is_healthy_and_told_in_full() {
     assert_eq!(json["metadata"]["end"]["time [s]"], "0.05");
 
     let text = folder.run(&["doctor", "runs/tank.mcap"]).out();
-    for part in
-        ["tank.mcap: whole", "A small tank", "done at t = 0.05 s after ", "pressure [Pa]", "tank.ron (text/plain"]
-    {
-        assert!(text.contains(part), "{part} is not in\n{text}");
-    }
+    let parts =
+        ["tank.mcap: whole", "A small tank", "done at t = 0.05 s after ", "pressure [Pa]", "tank.ron (text/plain"];
+    assert_parts(&text, &parts);
 }
 
 #[test]
 fn a_torn_or_damaged_log_is_told_as_such() {
-    let folder = Folder::new("ill");
+    let folder = Folder::tank("ill");
     let log = folder.log();
     let chunks = chunks(&log);
     let doctor = |bytes: &[u8]| {
         folder.write("ill.mcap", bytes);
         let ran = folder.run(&["doctor", "ill.mcap", "--json"]);
-        assert_eq!(ran.code(), Some(1), "{}", ran.err());
+        ran.ended_with(1);
         ran.json()
     };
     for cut in [chunks[4].end, chunks[4].end - 3, log.len() - 1] {
@@ -100,14 +99,14 @@ fn a_torn_or_damaged_log_is_told_as_such() {
 /// What a run leaves that is killed before the first of its log is on the disk.
 #[test]
 fn a_log_of_which_there_is_only_the_beginning_is_told_as_such() {
-    let folder = Folder::new("beginning");
+    let folder = Folder::tank("beginning");
     let log = folder.log();
     for length in [8, 12, 30] {
         folder.write("head.mcap", &log[..length]);
         let ran = folder.run(&["doctor", "head.mcap"]);
-        assert_eq!(ran.code(), Some(1), "{}", ran.err());
+        ran.ended_with(1);
         let told = format!("head.mcap: torn, and nothing in its {length} B can be read or recovered");
-        assert!(ran.out().contains(&told), "{}", ran.out());
+        assert_parts(&ran.out(), &[&told]);
         // Nothing made up, and no advice that does not help.
         for part in ["written by", "?", "storegga recover"] {
             assert!(!ran.out().contains(part), "{part} is in\n{}", ran.out());
@@ -120,7 +119,7 @@ fn a_log_of_which_there_is_only_the_beginning_is_told_as_such() {
 
 #[test]
 fn outputs_that_were_never_written_are_gaps() {
-    let folder = Folder::new("gaps");
+    let folder = Folder::tank("gaps");
     let out = folder.path("gaps.mcap");
     let mut log = LogWriter::create(&out).unwrap();
     log.metadata("derived", &[("series_interval [s]".to_owned(), "0.1".to_owned())]).unwrap();
@@ -142,7 +141,7 @@ fn outputs_that_were_never_written_are_gaps() {
     log.finish().unwrap();
 
     let ran = folder.run(&["doctor", "gaps.mcap", "--json"]);
-    assert_eq!(ran.code(), Some(1), "{}", ran.err());
+    ran.ended_with(1);
     let json = ran.json();
     let gaps = |topic: &str| (channel(&json, topic)["gaps"].as_u64(), channel(&json, topic)["missing"].as_u64());
     assert_eq!([gaps("/beat"), gaps("/events"), gaps("/late")], [4, 0, 2].map(|count| (Some(count), Some(0))));

@@ -4,28 +4,19 @@
 
 use std::fs;
 
-use mcap::{MessageStream, Summary};
+use mcap::Summary;
 use storegga::log::{LogWriter, copy_log, recover_log};
 
-use crate::{Folder, chunks};
-
-/// A message: its topic, number, time and bytes.
-type Told = (String, u32, u64, Vec<u8>);
-
-/// All messages of a whole log, read strictly.
-fn messages(bytes: &[u8]) -> Vec<Told> {
-    let stream = MessageStream::new(bytes).unwrap().map(Result::unwrap);
-    stream.map(|m| (m.channel.topic.clone(), m.sequence, m.log_time, m.data.into_owned())).collect()
-}
+use crate::chunks;
+use crate::program::{Folder, Told, assert_parts, messages, told};
 
 /// Messages of each chunk of a whole log.
 fn messages_by_chunk(bytes: &[u8]) -> Vec<Vec<Told>> {
     let summary = Summary::read(bytes).unwrap().unwrap();
     let mut indexes = summary.chunk_indexes.clone();
     indexes.sort_by_key(|chunk| chunk.chunk_start_offset);
-    let of = |chunk| summary.stream_chunk(bytes, chunk).unwrap().map(Result::unwrap);
-    let told = |m: mcap::Message| (m.channel.topic.clone(), m.sequence, m.log_time, m.data.into_owned());
-    indexes.iter().map(|chunk| of(chunk).map(told).collect()).collect()
+    let of = |chunk| summary.stream_chunk(bytes, chunk).unwrap().map(|message| told(message.unwrap()));
+    indexes.iter().map(|chunk| of(chunk).collect()).collect()
 }
 
 /// Recovers the log that `bytes` are left of and returns it; it must be whole to a strict reader and by its own statistics.
@@ -43,7 +34,7 @@ fn recovered(folder: &Folder, bytes: &[u8]) -> Result<Vec<u8>, String> {
 
 #[test]
 fn a_log_cut_at_any_byte_keeps_every_whole_chunk() {
-    let folder = Folder::new("cut");
+    let folder = Folder::tank("cut");
     let log = folder.log();
     let (chunks, by_chunk) = (chunks(&log), messages_by_chunk(&log));
     assert!(chunks.len() > 5, "{chunks:?}");
@@ -68,7 +59,7 @@ fn a_log_cut_at_any_byte_keeps_every_whole_chunk() {
 
 #[test]
 fn a_damaged_chunk_is_left_out_and_the_others_are_kept() {
-    let folder = Folder::new("damaged");
+    let folder = Folder::tank("damaged");
     let log = folder.log();
     let (chunks, by_chunk) = (chunks(&log), messages_by_chunk(&log));
     for k in [0, 1, chunks.len() / 2, chunks.len() - 1] {
@@ -91,7 +82,7 @@ fn a_damaged_chunk_is_left_out_and_the_others_are_kept() {
     damaged[(chunks[2].start + chunks[2].end) / 2] ^= 1;
     folder.write("torn.mcap", &damaged);
     let ran = folder.run(&["recover", "torn.mcap", "--json"]);
-    assert_eq!(ran.code(), Some(0), "{}", ran.err());
+    ran.ended_with(0);
     let json = ran.json();
     let steps = json["channels"].as_array().unwrap().iter().find(|channel| channel["topic"] == "/steps").unwrap();
     let lost = by_chunk[2].iter().filter(|told| told.0 == "/steps").count();
@@ -107,7 +98,7 @@ fn a_damaged_chunk_is_left_out_and_the_others_are_kept() {
 fn a_chunk_that_unpacks_to_far_more_than_it_should_takes_no_memory() {
     use std::io::Read;
 
-    let folder = Folder::new("bomb");
+    let folder = Folder::tank("bomb");
     let log = folder.log();
     let (first, size) = (chunks(&log)[2].start, 1_u64 << 29);
     let packed = zstd::encode_all(std::io::repeat(0).take(size), 1).unwrap();
@@ -133,7 +124,7 @@ fn a_chunk_that_unpacks_to_far_more_than_it_should_takes_no_memory() {
 
 #[test]
 fn a_log_goes_on_after_its_copy() {
-    let folder = Folder::new("goes-on");
+    let folder = Folder::tank("goes-on");
     let log = folder.log();
     let from = folder.write("torn.mcap", &log[..log.len() - 100]);
     let out = folder.path("out.mcap");
@@ -164,17 +155,15 @@ fn a_log_goes_on_after_its_copy() {
 
 #[test]
 fn recover_tells_what_is_kept_and_what_is_lost() {
-    let folder = Folder::new("tells");
+    let folder = Folder::tank("tells");
     let log = folder.log();
     let chunks = chunks(&log);
     folder.write("torn.mcap", &log[..chunks[3].end - 7]);
     let ran = folder.run(&["recover", "torn.mcap"]);
-    assert_eq!(ran.code(), Some(0), "{}", ran.err());
-    for part in
-        ["torn.mcap: ", "up to t = 0.0", "kept in torn.recovered.mcap", "/particles", "/steps", "lost: ", "cut off"]
-    {
-        assert!(ran.out().contains(part), "{part} is not in\n{}", ran.out());
-    }
+    ran.ended_with(0);
+    let parts =
+        ["torn.mcap: ", "up to t = 0.0", "kept in torn.recovered.mcap", "/particles", "/steps", "lost: ", "cut off"];
+    assert_parts(&ran.out(), &parts);
     // Its own output may be replaced; a log that is whole is only copied.
     let ran = folder.run(&["recover", "runs/tank.mcap", "--out", "torn.recovered.mcap"]);
     assert!(ran.code() == Some(0) && ran.out().contains("was whole"), "{}{}", ran.out(), ran.err());
@@ -183,7 +172,7 @@ fn recover_tells_what_is_kept_and_what_is_lost() {
 
 #[test]
 fn what_is_no_log_is_not_recovered() {
-    let folder = Folder::new("no-log");
+    let folder = Folder::tank("no-log");
     let log = folder.log();
     let recover = |name: &str| folder.run(&["recover", name]);
     folder.write("empty.mcap", b"");
@@ -212,7 +201,7 @@ fn what_is_no_log_is_not_recovered() {
 fn what_is_no_plain_file_is_not_replaced() {
     use std::os::unix::fs::FileTypeExt;
 
-    let folder = Folder::new("no-file");
+    let folder = Folder::tank("no-file");
     folder.log();
     let pipe = folder.path("pipe.mcap");
     assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
@@ -223,7 +212,7 @@ fn what_is_no_plain_file_is_not_replaced() {
 
 #[test]
 fn a_log_that_is_being_written_is_not_replaced() {
-    let folder = Folder::new("busy");
+    let folder = Folder::tank("busy");
     folder.log();
     let written = folder.path("written.mcap");
     let mut writer = LogWriter::create(&written).unwrap();
