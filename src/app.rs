@@ -353,6 +353,8 @@ pub fn run(world: &mut World, end_time: f64, stop: &StopFlag, mut watch: impl Fn
         }
         world.resource_mut::<Clock>().begin_step(output.min(end_time));
         world.run_schedule(Step);
+        // Nobody asks what was removed: kept, it would pile up step by step.
+        world.clear_trackers();
         if let Some(what) = failure::take() {
             return End::Failed(what);
         }
