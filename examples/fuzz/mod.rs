@@ -4,7 +4,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use std::{env, process, thread};
 
 /// Keeps account of the memory that is in use and of the most that was.
@@ -52,7 +52,8 @@ impl Random {
     }
 }
 
-/// Runs `case` with other random numbers again and again: for `--seconds` (60 by default), or once with those of `--case`.
+/// Runs `case` with other random numbers again and again: for `--seconds` (60 by default), or once with those of `--case`. Which
+/// ones follows from `--seed`, by default from the time; it is printed.
 /// A case that panics, asks for more than `most_memory` bytes or does not end is told with its number, and ends the program with 1.
 pub fn fuzz(name: &str, most_memory: usize, mut case: impl FnMut(&mut Random)) -> ExitCode {
     let options: Vec<String> = env::args().collect();
@@ -61,9 +62,10 @@ pub fn fuzz(name: &str, most_memory: usize, mut case: impl FnMut(&mut Random)) -
         options.get(at + 1)?.parse::<u64>().ok()
     };
     let (only, seconds) = (option("--case"), option("--seconds").unwrap_or(60));
-    let (start, mut number) = (Instant::now(), only.or(option("--first")).unwrap_or(0));
+    let first = only.or(option("--seed")).unwrap_or_else(seed_of_the_time);
+    println!("{name}: `--seed {first}` does these cases again");
+    let (start, mut number) = (Instant::now(), first);
     watch(name);
-    let first = number;
     loop {
         CASE.store(number, Ordering::Relaxed);
         let before = IN_USE.load(Ordering::Relaxed);
@@ -75,12 +77,19 @@ pub fn fuzz(name: &str, most_memory: usize, mut case: impl FnMut(&mut Random)) -
             eprintln!("{name}: case {number} {what}; `--case {number}` runs it again");
             return ExitCode::FAILURE;
         }
-        number += 1;
+        number = number.wrapping_add(1);
         if only.is_some() || start.elapsed() >= Duration::from_secs(seconds) {
-            println!("{name}: {} cases in {:.0} s", number - first, start.elapsed().as_secs_f64());
+            println!("{name}: {} cases in {:.0} s", number.wrapping_sub(first), start.elapsed().as_secs_f64());
             return ExitCode::SUCCESS;
         }
     }
+}
+
+/// A seed that was not there before: microseconds.
+fn seed_of_the_time() -> u64 {
+    let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    // Cases are told apart by 48 bits.
+    since.as_micros() as u64 & ((1 << 48) - 1)
 }
 
 /// The case that runs now.

@@ -1,4 +1,4 @@
-//! Spoils scenes token by token and reads them: `cargo run --example fuzz_scenes -- --seconds 60`.
+//! Spoils scenes, variants and tables token by token and reads them: `cargo run --example fuzz_scenes -- --seconds 60`.
 //!
 //! Whatever a scene says, the program must end, not panic and not ask for much memory; it is either put into effect or refused
 //! with a message that can be shown and whose place lies in the text.
@@ -6,8 +6,9 @@
 #[path = "../../../examples/fuzz/mod.rs"]
 mod fuzz;
 
-use std::path::Path;
-use std::process::ExitCode;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{self, ExitCode};
 
 use storegga::app::open;
 use storegga::error::UserError;
@@ -19,31 +20,117 @@ use fuzz::{Random, fuzz};
 /// Memory (bytes) that one scene may take: it has some thousands of particles at most.
 const MOST_MEMORY: usize = 1 << 30;
 
+/// A scene that reads files.
+const SHAKEN: &str = r#"Scene(
+    dimension: 2, spacing: 0.05, gravity: (0.0, -9.81), end_time: 0.5,
+    phases: {"water": (reference_density: 1000.0, rheology: Newtonian(viscosity: 0.001))},
+    walls: {"tank": (shape: Box(min: (0.0, 0.0), max: (0.4, 0.4)))},
+    fluids: [(phase: "water", shape: Box(min: (0.0, 0.0), max: (0.4, 0.2)))],
+    probes: {"water": CenterOfMass(phase: "water")},
+    shaking: Accelerogram(file: "table.csv", time: "t", columns: [
+        (name: "east", direction: (1.0, 0.0)), (name: "up", direction: (0.0, 1.0)),
+    ]),
+    expect: [(name: "measured", of: "water.vx", is: Csv(file: "table.csv", time: "t", value: "east"), within: Absolute(1.0))],
+)"#;
+
+/// The file that it reads.
+const TABLE: &str =
+    "# shaken by hand\nt, east, up\n0.0, 0.0, 0.0\n0.1, 2.5, -0.5\n0.2, -1e-3, 0.25\n0.35, 1.0, 0.0\n0.5, 0.0, 0.0\n";
+
 fn main() -> ExitCode {
-    let seeds = seeds();
-    let words: Vec<String> = seeds.iter().flat_map(|seed| tokens(seed)).map(str::to_owned).collect();
-    fuzz("scenes", MOST_MEMORY, |random| {
-        let seed = &seeds[random.below(seeds.len())];
-        let mut scene: Vec<String> = tokens(seed).into_iter().map(str::to_owned).collect();
-        for _ in 0..=random.below(3) {
-            spoil(&mut scene, &words, random);
-        }
-        let text: String = scene.concat();
-        if let Err(error) = read(&text, &words, random) {
+    let folder = std::env::temp_dir().join(format!("storegga-fuzz-scenes-{}", process::id()));
+    let seeds = Seeds::new(&folder);
+    let code = fuzz("scenes", MOST_MEMORY, |random| {
+        let read = match random.below(4) {
+            0 => seeds.read_variant(random),
+            1 => seeds.read_tables(random),
+            _ => seeds.read_scene(random),
+        };
+        if let Err(error) = read {
             check_message(&error);
         }
-    })
+    });
+    if code == ExitCode::SUCCESS {
+        let _ = fs::remove_dir_all(&folder);
+    }
+    code
 }
 
-/// Reads a scene, now and then with an override, and puts it into effect.
-fn read(text: &str, words: &[String], random: &mut Random) -> Result<(), UserError> {
-    let mut document = Document::parse("scene.ron", text)?;
-    if random.below(4) == 0 {
-        let word = |random: &mut Random| words[random.below(words.len())].clone();
-        let path: Vec<String> = (0..=random.below(4)).map(|_| word(random).trim_matches('"').to_owned()).collect();
-        document = document.set(&path.join("."), &word(random))?;
+/// What is spoiled.
+struct Seeds {
+    /// Where files are written; the scenes of `variants` lie there.
+    folder: PathBuf,
+    scenes: Vec<String>,
+    variants: Vec<String>,
+    words: Vec<String>,
+}
+
+impl Seeds {
+    /// The scenes that are shipped, each at the coarsest spacing at which it can be put into effect, and the variants of them that
+    /// are so coarse that they are tested.
+    fn new(folder: &Path) -> Self {
+        let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
+        let scenes: Vec<String> = files(&shipped).iter().filter_map(|file| coarsest(file)).collect();
+        let variants: Vec<String> =
+            files(&shipped.join("ci")).iter().filter_map(|file| fs::read_to_string(file).ok()).collect();
+        fs::create_dir_all(folder.join("ci")).expect("the folder for temporary files can be written");
+        for file in files(&shipped) {
+            fs::copy(&file, folder.join(file.file_name().unwrap_or_default())).expect("it can be written");
+        }
+        println!("{} scenes and {} variants are spoiled", scenes.len(), variants.len());
+        let texts = scenes.iter().chain(&variants).map(String::as_str).chain([SHAKEN]);
+        let words = texts.flat_map(tokens).map(str::to_owned).collect();
+        Self { folder: folder.to_owned(), scenes, variants, words }
     }
-    open(StandardPlugins, document).map(|_| ())
+
+    fn read_scene(&self, random: &mut Random) -> Result<(), UserError> {
+        let scene = &self.scenes[random.below(self.scenes.len())];
+        self.put_into_effect(Document::parse("scene.ron", &self.spoilt(scene, random))?, random)
+    }
+
+    fn read_variant(&self, random: &mut Random) -> Result<(), UserError> {
+        let variant = &self.variants[random.below(self.variants.len())];
+        let file = self.write("ci/variant.ron", self.spoilt(variant, random).as_bytes());
+        self.put_into_effect(open_document(&file, &[])?, random)
+    }
+
+    /// A scene with a file that is spoiled, and now and then the scene itself as well.
+    fn read_tables(&self, random: &mut Random) -> Result<(), UserError> {
+        let mut table = self.spoilt(TABLE, random).into_bytes();
+        if random.below(4) == 0 {
+            let at = random.below(table.len());
+            table.get_mut(at).into_iter().for_each(|byte| *byte = random.next() as u8);
+        }
+        self.write("table.csv", &table);
+        let scene = if random.below(4) == 0 { self.spoilt(SHAKEN, random) } else { SHAKEN.to_owned() };
+        let file = self.write("shaken.ron", scene.as_bytes());
+        self.put_into_effect(open_document(&file, &[])?, random)
+    }
+
+    /// The text with up to four tokens changed.
+    fn spoilt(&self, text: &str, random: &mut Random) -> String {
+        let mut tokens: Vec<String> = tokens(text).into_iter().map(str::to_owned).collect();
+        for _ in 0..=random.below(3) {
+            spoil(&mut tokens, &self.words, random);
+        }
+        tokens.concat()
+    }
+
+    fn write(&self, name: &str, bytes: &[u8]) -> PathBuf {
+        let path = self.folder.join(name);
+        fs::write(&path, bytes).expect("it can be written");
+        path
+    }
+
+    /// Puts a scene into effect, now and then with an override.
+    fn put_into_effect(&self, mut document: Document, random: &mut Random) -> Result<(), UserError> {
+        if random.below(4) == 0 {
+            let word = |random: &mut Random| self.words[random.below(self.words.len())].clone();
+            let path: Vec<String> = (0..=random.below(4)).map(|_| word(random).trim_matches('"').to_owned()).collect();
+            document = document.set(&path.join("."), &word(random))?;
+        }
+        open(StandardPlugins, document).map(|_| ())
+    }
 }
 
 /// A message can be shown, and the place that it names is one of its text.
@@ -58,23 +145,22 @@ fn check_message(error: &UserError) {
     }
 }
 
-/// The scenes that are shipped, each at the coarsest spacing at which it can be put into effect.
-fn seeds() -> Vec<String> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
-    let entries = std::fs::read_dir(&folder).expect("there are scenes").filter_map(Result::ok);
+/// The scenes in a folder.
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).expect("there are scenes").filter_map(Result::ok);
     let mut files: Vec<_> = entries.map(|entry| entry.path()).filter(|path| path.extension().is_some()).collect();
     files.sort();
-    let coarsened = files.iter().filter_map(|file| {
-        let scene = open_document(file, &[]).ok()?;
-        let spacing: f64 = scene.read("spacing").ok()?;
-        [16.0, 8.0, 4.0, 2.0, 1.0].into_iter().find_map(|factor| {
-            let coarse = scene.clone().set("spacing", &format!("{:?}", factor * spacing)).ok()?;
-            open(StandardPlugins, coarse.clone()).ok().map(|_| coarse.text().to_string())
-        })
-    });
-    let seeds: Vec<String> = coarsened.collect();
-    println!("{} scenes of {} are spoiled", seeds.len(), files.len());
-    seeds
+    files
+}
+
+/// A scene at the coarsest spacing at which it can be put into effect.
+fn coarsest(file: &Path) -> Option<String> {
+    let scene = open_document(file, &[]).ok()?;
+    let spacing: f64 = scene.read("spacing").ok()?;
+    [16.0, 8.0, 4.0, 2.0, 1.0].into_iter().find_map(|factor| {
+        let coarse = scene.clone().set("spacing", &format!("{:?}", factor * spacing)).ok()?;
+        open(StandardPlugins, coarse.clone()).ok().map(|_| coarse.text().to_string())
+    })
 }
 
 /// Words, numbers, texts in quotes, and every other character by itself; together they are the text.
