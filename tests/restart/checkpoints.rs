@@ -3,7 +3,21 @@
 use std::fs;
 
 use crate::program::{Folder, Ran, assert_parts};
-use crate::{Left, RESUME, RUN, kill};
+use crate::{Left, RESUME, RUN, kill, scenes, with_threads};
+
+/// With soils, shaking and relaxation zones; with a yield stress, damping, a wave at the start and the books.
+#[test]
+fn any_number_of_threads_gives_the_same_bits() {
+    for (name, scene) in scenes() {
+        let folder = Folder::with_scene(&format!("threads-{name}"), &scene);
+        let reference = Left::of(&folder, &folder.run(&RUN));
+        for threads in ["2", "3", "8"] {
+            folder.clear();
+            let left = Left::of(&folder, &folder.run(&with_threads(&RUN, threads)));
+            left.is(&reference, &format!("{name}, {threads} threads"));
+        }
+    }
+}
 
 #[test]
 fn checkpoints_change_nothing_and_threads_neither() {

@@ -23,16 +23,34 @@ use std::time::{Duration, Instant};
 use mcap::Summary;
 use program::{Folder, Ran, Told, messages};
 use serde_json::Value;
-use stream::stream;
+use stream::{slosh, stream};
 
 const RUN: [&str; 7] = ["run", "stream.ron", "--checkpoint-every", "0.002", "--threads", "1", "--json"];
 const RESUME: [&str; 3] = ["resume", "runs/stream.checkpoint", "--json"];
 
+/// The same run, and its resume, with another number of threads.
+fn with_threads<'a>(arguments: &[&'a str], threads: &'a str) -> Vec<&'a str> {
+    let own = ["--threads", threads];
+    let rest = arguments.iter().position(|argument| *argument == "--threads").unwrap_or(arguments.len());
+    let after = arguments.get(rest + 2..).unwrap_or_default();
+    [&arguments[..rest], after, &own[..]].concat()
+}
+
+/// The scenes that have between them whatever is shipped.
+fn scenes() -> [(&'static str, String); 3] {
+    [("2D", stream(2)), ("3D", stream(3)), ("slosh", slosh())]
+}
+
 impl Folder {
-    /// A folder with the scene `stream.ron` and the files that it reads.
+    /// A folder with the stream in two or three dimensions.
     fn stream(name: &str, dimension: usize) -> Self {
+        Self::with_scene(name, &stream(dimension))
+    }
+
+    /// A folder with a scene as `stream.ron`, and the files that it reads.
+    fn with_scene(name: &str, scene: &str) -> Self {
         let folder = Self::new(name);
-        folder.write("stream.ron", stream(dimension));
+        folder.write("stream.ron", scene);
         folder.write("measured.csv", "t,v\n0.01,0.0\n0.1,0.0\n");
         folder.write("quake.csv", "t,a\n0.0,0.0\n0.03,2.0\n0.2,-2.0\n");
         folder
@@ -101,7 +119,11 @@ impl Left {
         ran.ended_with(0);
         let log = fs::read(folder.path("runs/stream.mcap")).unwrap();
         let summary = Summary::read(&log).unwrap().unwrap();
-        let metadata = summary.metadata_indexes.iter().map(|index| format!("{:?}", mcap::read::metadata(&log, index)));
+        let metadata = summary.metadata_indexes.iter().map(|index| {
+            let mut record = mcap::read::metadata(&log, index).unwrap();
+            record.metadata.remove("threads");
+            format!("{record:?}")
+        });
         let attachments = summary.attachment_indexes.iter();
         let attachments = attachments.map(|index| format!("{:?}", mcap::read::attachment(&log, index)));
         let others = metadata.chain(attachments).collect();

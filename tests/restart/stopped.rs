@@ -5,7 +5,7 @@ use std::thread::sleep;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use crate::program::{self, Folder};
-use crate::{Left, RESUME, RUN};
+use crate::{Left, RESUME, RUN, scenes, with_threads};
 
 /// Random numbers (SplitMix64); the seed is printed, and STOREGGA_SEED gives another one.
 struct Random(u64);
@@ -74,8 +74,8 @@ fn kill_at_random(folder: &Folder, child: &mut Child, random: &mut Random, most:
 #[test]
 fn a_run_that_is_killed_again_and_again_ends_with_the_same_bits() {
     let mut random = Random::new();
-    for dimension in [2, 3] {
-        let folder = Folder::stream(&format!("killed-{dimension}"), dimension);
+    for (name, scene) in scenes() {
+        let folder = Folder::with_scene(&format!("killed-{name}"), &scene);
         let started = Instant::now();
         let reference = Left::of(&folder, &folder.run(&RUN));
         let whole = started.elapsed();
@@ -83,21 +83,23 @@ fn a_run_that_is_killed_again_and_again_ends_with_the_same_bits() {
 
         let mut kills = Kills::default();
         let mut runs = 0;
-        while kills.all < 30 || kills.checkpoint < 3 || kills.log < 1 {
+        while kills.all < 20 || kills.checkpoint < 3 || kills.log < 1 {
             assert!(runs < 100, "{kills:?}");
             runs += 1;
             folder.clear();
             // Killed up to eight times, a run is then left alone: it may have been so early that it never got anywhere.
             for _ in 0..8 {
+                let threads = ["1", "2", "3"][(random.next() % 3) as usize];
                 let arguments = if folder.checkpoint().exists() { &RESUME[..] } else { &RUN[..] };
-                if !kill_at_random(&folder, &mut folder.start(arguments), &mut random, whole.mul_f64(0.5), &mut kills) {
+                let mut child = folder.start(&with_threads(arguments, threads));
+                if !kill_at_random(&folder, &mut child, &mut random, whole.mul_f64(0.5), &mut kills) {
                     break;
                 }
             }
             let arguments = if folder.checkpoint().exists() { &RESUME[..] } else { &RUN[..] };
-            Left::of(&folder, &folder.run(arguments)).is(&reference, &format!("{dimension}D, run {runs}"));
+            Left::of(&folder, &folder.run(arguments)).is(&reference, &format!("{name}, run {runs}"));
         }
-        println!("{dimension}D, {runs} runs: {kills:?}");
+        println!("{name}, {runs} runs: {kills:?}");
     }
 }
 

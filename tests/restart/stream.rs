@@ -60,3 +60,34 @@ pub fn stream(dimension: usize) -> String {
         down = row(0.3, 0.1),
     )
 }
+
+/// What the stream leaves out: a yield stress, a wave at the start, damping that ends on the way, walls that fluid hits, the books.
+pub fn slosh() -> String {
+    r#"Scene(
+    dimension: 2, spacing: 0.04, gravity: (0.0, -9.81), end_time: 0.1,
+    neighbours: (skin: 0.02, sort_every: 2), equation_of_state: (max_speed: 3.0),
+    settling: Damping(until: 0.05, rate: 5.0),
+    phases: {
+        "mud": (reference_density: 1500.0, rheology: HerschelBulkley(
+            consistency: 3.0, exponent: 0.7, yield_stress: 50.0, max_viscosity: 50.0)),
+        "water": (reference_density: 1000.0, rheology: Newtonian(viscosity: 0.001)),
+    },
+    fluids: [
+        (phase: "mud", shape: Box(min: (0.0, 0.0), max: (0.8, 0.2))),
+        (phase: "water", shape: Box(min: (0.0, 0.2), max: (0.8, 0.4))),
+    ],
+    disturbance: Mode(along: X, crest: 0.0, wavelength: 1.6, level: 0.2, below: 0.2, above: 0.2, velocity: 0.8),
+    walls: { "tank": (shape: Box(min: (0.0, 0.0), max: (0.8, 0.8))) },
+    probes: {
+        "books": Books(), "wave": LayerMode(phase: "mud", along: X, crest: 0.0, wavelength: 1.6),
+        "mixing": PhaseMixing(), "fluid": DensityError(), "water": CenterOfMass(phase: "water"),
+    },
+    log: (particles: 0.02, series: 0.005),
+    expect: [
+        (name: "books", of: "books.residual", take: Max, is: Between(-1e9, 1e9)),
+        (name: "measured", of: "water.vx", is: Csv(file: "measured.csv", time: "t", value: "v"), within: Absolute(1e9)),
+    ],
+)
+"#
+    .to_owned()
+}

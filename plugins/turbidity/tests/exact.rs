@@ -7,10 +7,12 @@ use std::process::Command;
 use bevy_app::{App, PluginGroup, Plugins};
 use bevy_ecs::prelude::*;
 use storegga::app::{End, PaperPlugins, StopFlag, open, run};
+use storegga::checkpoint::{check_state, restore_state, save_state};
 use storegga::clock::{Clock, Limit};
 use storegga::particles::{Density, Fluid, Mass, Position, Pressure, ReferenceDensity};
 use storegga::physics::EquationOfState;
 use storegga::scene::Document;
+use storegga_standard::StandardPlugins;
 use turbidity::{FineSediment, TaitPlugin, TurbidityPlugin};
 
 fn opened<M>(plugins: impl Plugins<M>, scene: &str) -> App {
@@ -199,4 +201,29 @@ fn the_page_shows_these_files() {
 
 fn read(path: &Path) -> String {
     std::fs::read_to_string(path).unwrap()
+}
+
+/// A plume that goes on from what a checkpoint holds of it, against one that was not stopped.
+#[test]
+fn fine_sediment_goes_on_from_a_checkpoint_with_the_same_bits() {
+    let plume =
+        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("plume.ron")).expect("the scene is there");
+    let [mut straight, mut resumed] = [(); 2].map(|()| opened(StandardPlugins.build().add(TurbidityPlugin), &plume));
+    let go_on =
+        |app: &mut App, time: f64| assert_eq!(run(app.world_mut(), time, &StopFlag::default(), |_| {}), End::Done);
+    let fractions = |app: &mut App| {
+        let world = app.world_mut();
+        world.query_filtered::<&FineSediment, With<Fluid>>().iter(world).map(|c| c.0.to_bits()).collect::<Vec<_>>()
+    };
+    let before = fractions(&mut straight);
+    go_on(&mut straight, 0.05);
+    assert_eq!(check_state(straight.world()), Ok(()), "neither saved nor rebuilt");
+    let saved = save_state(straight.world_mut()).expect("it can be saved");
+    restore_state(resumed.world_mut(), &saved).expect("it fits");
+    let [straight, resumed] = [straight, resumed].map(|mut app| {
+        go_on(&mut app, 0.1);
+        (fractions(&mut app), save_state(app.world_mut()).expect("it can be saved"))
+    });
+    assert_ne!(before, straight.0, "nothing spread");
+    assert!(straight == resumed, "the resumed run went another way");
 }
