@@ -247,6 +247,10 @@ fn check_tells_the_run_before_it_is_run() {
         "time_step.sound = 0.25",
         "1/2 < ρ/ρ0 < 2, Δt ≥ ",
         "QuinticSpline, support 0.036 m",
+        // Documented in the stages and probes that use them.
+        "strain_rate.least_determinant = 0.1",
+        "free_surface.least_filling = 0.5",
+        "probes.pressure_point.dry_beyond = 1.5 spacings",
     ];
     assert_parts(&ran.out(), &parts);
     assert!(!folder.path("runs").exists());
