@@ -52,6 +52,8 @@ fn main() -> ExitCode {
     });
     if code == ExitCode::SUCCESS {
         let _ = fs::remove_dir_all(&folder);
+    } else {
+        eprintln!("the last case is in {}: scene.ron, ci/variant.ron, or shaken.ron with table.csv", folder.display());
     }
     code
 }
@@ -85,7 +87,8 @@ impl Seeds {
 
     fn read_scene(&self, random: &mut Random) -> Result<(), UserError> {
         let scene = &self.scenes[random.below(self.scenes.len())];
-        self.put_into_effect(Document::parse("scene.ron", &self.spoilt(scene, random))?, random)
+        let file = self.write("scene.ron", self.spoilt(scene, random).as_bytes());
+        self.put_into_effect(open_document(&file, &[])?, random)
     }
 
     fn read_variant(&self, random: &mut Random) -> Result<(), UserError> {

@@ -124,9 +124,13 @@ fn row(walls: &[Wall], vertices: &[DVec2], spacing: f64) -> Vec<DVec2> {
     places
 }
 
-/// Points along an open line in `round(length/spacing)`, but at least one, equal steps, without the last point.
+/// Points along an open line in `round(length/spacing)`, but at least one, equal steps, without the last point; none on a line
+/// whose length is beyond all numbers.
 fn equal_steps(line: &[DVec2], spacing: f64) -> Vec<DVec2> {
     let length: f64 = line.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
+    if !length.is_finite() {
+        return Vec::new();
+    }
     let count = (length / spacing).round().max(1.0);
     let mut places = Vec::with_capacity(count as usize);
     let mut passed = 0.0;
@@ -201,6 +205,11 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn at_a_spacing_beyond_all_numbers_nothing_fits() {
+        assert!(rows(&corners(&SLOPE_TANK), Side::Outside, 3, 1e300).is_empty());
     }
 
     #[test]
