@@ -260,6 +260,8 @@ fn overrides() {
         ("override_value", "spacing=fine"),
         ("override_syntax", "spacing"),
         ("override_range", "spacing=-0.01"),
+        ("override_empty_end", "spacing.=0.05"),
+        ("override_empty_parts", "..=1"),
     ] {
         let said = said(name, SCENE, &["--set", set], &[]);
         assert!(said.starts_with("exit code 2\n"), "{said}");

@@ -25,6 +25,10 @@ impl Document {
     ///
     /// The value is written as in a scene; where a text stood, the quotes may be left out.
     pub fn set(&self, path: &str, value: &str) -> Result<Self, UserError> {
+        if path.split('.').any(|part| part.trim().is_empty()) {
+            return Err(UserError::plain(format!("--set {path}={value}: the path has an empty part"))
+                .help("its parts are names and numbers with a dot between two, as in --set fluids.0.phase=mud"));
+        }
         let value = self.with_quotes(path, value.trim());
         let parsed = Self::parse_value(&format!("--set {path}"), &value)?;
         parsed.check_names(&parsed.root)?;
