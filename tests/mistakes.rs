@@ -113,6 +113,10 @@ fn names() {
     refused("name_phase", r#"phase: "mud""#, r#"phase: "mudd""#);
     refused("name_series", "p.pressure", "q.pressure");
     refused("name_series_field", "p.pressure", "p.presure");
+    refused("name_line_break", r#""p": "#, r#""p\nq": "#);
+    refused("name_escape", "A small tank", r"A \u{1b}[31mred tank");
+    refused("name_slash", r#""p": "#, r#""p/q": "#);
+    refused("name_slash_structure", r#""pipe""#, r#""pi/pe""#);
     refused("name_taken", r#""p": "#, r#""pipe": "#);
 }
 

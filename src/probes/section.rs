@@ -57,8 +57,11 @@ fn structure_names(world: &mut World) -> Vec<String> {
     structures.into_iter().map(|body| body.name.clone()).collect()
 }
 
-/// Refuses a name that another series has.
+/// Refuses a name that another series has, or that would be two parts of a topic.
 fn require_free(world: &mut World, name: &str) -> Result<(), Invalid> {
+    if name.contains('/') {
+        return Err(Invalid::new("", "a name that becomes a topic of the log may not contain a `/`"));
+    }
     match world.query::<&Series>().iter(world).find(|series| series.name == name) {
         Some(other) => {
             Err(Invalid::new("", format!("the series `{}` has this name, too: {}", name, other.description)))

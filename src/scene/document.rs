@@ -88,18 +88,33 @@ impl Document {
         Ok(document)
     }
 
-    /// Refuses infinite numbers and repeated names anywhere inside `node`.
+    /// Refuses infinite numbers, texts with control characters and repeated names anywhere inside `node`.
     fn check(&self, node: &Node) -> Result<(), UserError> {
         if node.kind == Kind::Scalar(Scalar::Number { finite: false }) {
             return Err(self.error(node.span.clone(), "must be a finite number", "expected a finite number"));
         }
+        if let Kind::Scalar(Scalar::Text(text)) = &node.kind {
+            self.refuse_control(text, node.span.clone())?;
+        }
         for (index, field) in node.fields().iter().enumerate() {
+            self.refuse_control(&field.key, field.key_span.clone())?;
             if node.fields().iter().take(index).any(|earlier| earlier.key == field.key) {
                 let message = format!("`{}` is given twice", field.key);
                 return Err(self.error(field.key_span.clone(), message, "the second time"));
             }
         }
         node.children().try_for_each(|child| self.check(child))
+    }
+
+    /// Refuses line breaks, escapes and the like, which would break lines of the log and of the terminal.
+    fn refuse_control(&self, text: &str, span: Range<usize>) -> Result<(), UserError> {
+        match text.chars().find(|letter| letter.is_control()) {
+            Some(letter) => {
+                let message = format!("a text may not contain the control character {}", letter.escape_debug());
+                Err(self.error(span, message, "expected a text in one line"))
+            }
+            None => Ok(()),
+        }
     }
 
     /// Refuses names in quotes, anywhere inside `node`, that could not be part of a path.
