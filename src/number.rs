@@ -1,5 +1,11 @@
 //! Numbers for people.
 
+/// A number with all its digits, in the notation that does not take hundreds of them.
+pub(crate) fn plain(value: f64) -> String {
+    let is_short = value == 0.0 || !value.is_finite() || (1e-5..1e16).contains(&value.abs());
+    if is_short { value.to_string() } else { format!("{value:e}") }
+}
+
 /// A number with four significant digits, in the notation that is easier to read.
 pub(crate) fn short(value: f64) -> String {
     let size = value.abs();
@@ -60,6 +66,14 @@ pub(crate) fn bytes(bytes: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn plain_numbers_keep_their_digits_and_stay_short() {
+        for (value, text) in [(0.0, "0"), (0.1, "0.1"), (-1500.0, "-1500"), (1e300, "1e300"), (-2.5e-300, "-2.5e-300")]
+        {
+            assert_eq!(plain(value), text);
+        }
+    }
 
     #[test]
     fn numbers_keep_four_digits() {

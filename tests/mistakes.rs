@@ -170,6 +170,15 @@ fn places() {
     );
     refused("place_probe_outside", "PressurePoint(at: (0.2, 0.0))", "PressurePoint(at: (0.2, 0.6))");
     refused("place_gauge_outside", "SurfaceHeight(at: (0.2, 0.0))", "SurfaceHeight(at: (-0.2, 0.0))");
+    let also = |probe: &str| format!("\"more\": {probe}, \"h\": SurfaceHeight");
+    let beside = "Box(min: (1.0, 0.0), max: (2.0, 0.4))";
+    let stress = also(&format!("ShearStress(phase: \"mud\", within: {beside})"));
+    refused("place_stress_outside", r#""h": SurfaceHeight"#, &stress);
+    refused("place_mean_outside", r#""h": SurfaceHeight"#, &also(&format!("MeanVelocity(shape: {beside})")));
+    let zone = format!(
+        r#"end_time: 0.05, relaxation_zones: {{"beach": (shape: {beside}, target: Uniform(velocity: (0.0, 0.0)), rate: 5.0)}},"#
+    );
+    refused("place_zone_outside", "end_time: 0.05,", &zone);
     refused("place_outside_periodic", "end_time: 0.05,", "end_time: 0.05, periodic: (x: (0.0, 0.3)),");
     warned("place_structure_half_in_wall", "center: (0.3, 0.05)", "center: (0.4, 0.05)");
     warned("place_gap_at_wall", "min: (0.0, 0.1), max: (0.4, 0.2)", "min: (0.0, 0.1), max: (0.38, 0.2)");
@@ -209,6 +218,20 @@ fn physics() {
         "    fluids: [\n        (phase: \"water\", shape: Box(min: (0.0, 0.1), max: (0.4, 0.2))),\n        (phase: \"mud\", shape: Box(min: (0.0, 0.0), max: (0.4, 0.1))),\n    ],",
         "    fluids: [],",
     );
+}
+
+#[test]
+fn waves() {
+    let wave = |along: &str, displacement: &str| {
+        format!(
+            "end_time: 0.05, disturbance: Mode(along: {along}, crest: 0.0, wavelength: 0.8, level: 0.1, below: 0.1, above: 0.1, \
+             displacement: {displacement}),"
+        )
+    };
+    refused("wave_axis", "end_time: 0.05,", &wave("Z", "0.001"));
+    refused("wave_folds", "end_time: 0.05,", &wave("X", "1e3"));
+    let mode = r#""mode": LayerMode(phase: "mud", along: Z, crest: 0.0, wavelength: 0.8), "h": SurfaceHeight"#;
+    refused("wave_layer_axis", r#""h": SurfaceHeight"#, mode);
 }
 
 #[test]
@@ -253,6 +276,8 @@ fn files() {
     let shaking = "end_time: 0.05, shaking: Accelerogram(file: \"quake.csv\", time: \"t\", columns: [(name: \"ew\", direction: (1.0, 0.0))]),";
     let scene = with("end_time: 0.05,", shaking);
     check("file_accelerogram", &said("quake", &scene, &[], &[("quake.csv", "t,ew\n0,0.1\n0.01,x\n")]));
+    let late = said("late", &scene, &[], &[("quake.csv", "t,ew\n10,0.1\n20,0.2\n")]);
+    check("file_accelerogram_late", &late);
 }
 
 #[test]

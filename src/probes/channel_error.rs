@@ -4,7 +4,7 @@ use bevy_ecs::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::parameters::{flow_law, phase};
+use super::parameters::{flow_law, phase, plane};
 use super::{ChannelFlow, Probe, SeriesField, State};
 use crate::physics::Gravity;
 use crate::scene::Invalid;
@@ -56,9 +56,7 @@ impl Probe for ChannelError {
         if from >= to {
             return Err(Invalid::new("walls", format!("the first must lie below the second, got {from} and {to} m")));
         }
-        if self.along == self.across {
-            return Err(Invalid::new("across", "must be another axis than that of the flow"));
-        }
+        plane(world, self.along, self.across)?;
         let gravity = world.resource::<Gravity>().full[self.along.index()];
         self.sense = gravity.signum();
         let law = flow_law(world, self.index)?;

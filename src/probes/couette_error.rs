@@ -4,7 +4,7 @@ use bevy_ecs::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::parameters::{flow_law, phase};
+use super::parameters::{flow_law, phase, plane};
 use super::{CouetteFlow, CouetteLayer, Probe, SeriesField, State};
 use crate::scene::Invalid;
 use crate::scene::geometry::Axis;
@@ -44,9 +44,7 @@ impl Probe for CouetteError {
     }
 
     fn prepare(&mut self, world: &mut World) -> Result<(), Invalid> {
-        if self.along == self.across {
-            return Err(Invalid::new("across", "must be another axis than that of the flow"));
-        }
+        plane(world, self.along, self.across)?;
         if self.layers.is_empty() {
             return Err(Invalid::new("layers", "needs the phase of at least one layer"));
         }

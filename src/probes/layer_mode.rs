@@ -9,7 +9,7 @@ use super::parameters::phase;
 use super::{Probe, SeriesField, State};
 use crate::particles::{Fluid, PhaseIndex, Position};
 use crate::physics::Gravity;
-use crate::scene::geometry::Axis;
+use crate::scene::geometry::{Axis, axis_exists};
 use crate::scene::{Invalid, Resolution, vertical};
 
 /// `amplitude` (m) of one mode of the thickness of a layer, `a = (2/A) Σ_f V_f cos k(x_f − x_0)` over the particles of a phase.
@@ -51,12 +51,13 @@ impl Probe for LayerMode {
         if self.wavelength <= 0.0 {
             return Err(Invalid::new("wavelength", format!("must be greater than 0, got {} m", self.wavelength)));
         }
+        let resolution = *world.resource::<Resolution>();
+        axis_exists(self.along, resolution.dimension).map_err(|wrong| wrong.under("along"))?;
         let gravity = world.resource::<Gravity>().full;
         let (up, _) = vertical(gravity).ok_or_else(|| Invalid::new("", "a layer needs a gravity along an axis"))?;
         if up == self.along.index() {
             return Err(Invalid::new("along", "a layer lies across gravity, not along it"));
         }
-        let resolution = *world.resource::<Resolution>();
         let mut fluid = world.query_filtered::<(&PhaseIndex, &Position), With<Fluid>>();
         let own = fluid.iter(world).filter(|(phase, _)| phase.0 == self.index).map(|(_, x)| x.0);
         let bounds = own.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
@@ -102,5 +103,7 @@ mod tests {
     fn a_layer_along_gravity_is_refused() {
         let probes = PROBES.replace("along: X", "along: Y");
         assert!(complaint(&scene(TANK, &probes)).contains("across gravity"));
+        let probes = PROBES.replace("along: X", "along: Z");
+        assert!(complaint(&scene(TANK, &probes)).contains("no z axis"));
     }
 }

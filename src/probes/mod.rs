@@ -44,6 +44,7 @@ pub use energy::Energy;
 pub use front::Front;
 pub use interface::Interface;
 pub use layer_mode::LayerMode;
+pub use parameters::box_inside;
 pub use phase_mixing::PhaseMixing;
 pub use pressure_error::HydrostaticError;
 pub use pressure_point::PressurePoint;

@@ -4,11 +4,12 @@ use bevy_ecs::prelude::*;
 use glam::DVec3;
 
 use crate::boundary::Motion;
+use crate::neighbours::PeriodicSides;
 use crate::particles::ReferenceDensity;
 use crate::phases::{Phase, phase_named};
 use crate::physics::Gravity;
 use crate::rheology::{Bingham, HerschelBulkley, Newtonian, PowerLaw};
-use crate::scene::geometry::{Point, coordinates};
+use crate::scene::geometry::{Axis, Point, axis_exists, coordinates};
 use crate::scene::{FilledFluids, Invalid, Resolution};
 
 /// Position (m) of the field `name`.
@@ -17,11 +18,28 @@ pub(super) fn place(world: &World, name: &str, point: Point) -> Result<DVec3, In
     Ok(point.position())
 }
 
+/// Refuses the axes of the fields `along` and `across` if the scene does not have them, or they are the same.
+pub(super) fn plane(world: &World, along: Axis, across: Axis) -> Result<(), Invalid> {
+    let dimension = world.resource::<Resolution>().dimension;
+    axis_exists(along, dimension).map_err(|wrong| wrong.under("along"))?;
+    axis_exists(across, dimension).map_err(|wrong| wrong.under("across"))?;
+    if along == across {
+        return Err(Invalid::new("across", "must be another axis than that of the flow"));
+    }
+    Ok(())
+}
+
 /// Refuses the position `x` (m) of the field `name` if it lies outside the box around fluids and bodies, but for `free`, an axis
 /// along which it does not matter. Where bodies move, the box moves too and nothing is refused.
 pub(super) fn inside(world: &mut World, name: &str, x: DVec3, free: DVec3) -> Result<(), Invalid> {
     let still = world.query::<&Motion>().iter(world).all(|motion| *motion == Motion::Still);
-    let (low, high) = world.resource::<FilledFluids>().bounds();
+    let (mut low, mut high) = world.resource::<FilledFluids>().bounds();
+    // Between periodic sides fluid comes everywhere.
+    for (axis, sides) in world.resource::<PeriodicSides>().0.into_iter().enumerate() {
+        if let Some((from, to)) = sides {
+            (low[axis], high[axis]) = (low[axis].min(from), high[axis].max(to));
+        }
+    }
     let Resolution { spacing, dimension, .. } = *world.resource::<Resolution>();
     let outside = (0..dimension)
         .find(|&axis| free[axis] == 0.0 && !(low[axis] - spacing..=high[axis] + spacing).contains(&x[axis]));
@@ -33,6 +51,17 @@ pub(super) fn inside(world: &mut World, name: &str, x: DVec3, free: DVec3) -> Re
         }
         None => Ok(()),
     }
+}
+
+/// Refuses the field `name`, a shape in the box `(low, high)` (m), if it lies outside the box around fluids and bodies altogether,
+/// where nothing is ever measured. Where bodies move, the box moves too and nothing is refused.
+///
+/// # Errors
+/// The shape lies outside.
+pub fn box_inside(world: &mut World, name: &str, (low, high): (DVec3, DVec3)) -> Result<(), Invalid> {
+    let (from, _) = world.resource::<FilledFluids>().bounds();
+    // Where the boxes meet, this place lies in both.
+    inside(world, name, low.max(from).min(high), DVec3::ZERO)
 }
 
 /// Unit vector of the field `direction`.

@@ -4,7 +4,7 @@ use bevy_ecs::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::parameters::phase;
+use super::parameters::{box_inside, phase};
 use super::{Probe, SeriesField, State};
 use crate::scene::geometry::Shape;
 use crate::scene::{Invalid, Resolution};
@@ -42,7 +42,9 @@ impl Probe for ShearStress {
     fn prepare(&mut self, world: &mut World) -> Result<(), Invalid> {
         self.index = phase(world, &self.phase)?;
         let dimension = world.resource::<Resolution>().dimension;
-        self.within.iter().try_for_each(|shape| shape.check(dimension)).map_err(|invalid| invalid.under("within"))
+        let Some(shape) = &self.within else { return Ok(()) };
+        shape.check(dimension).map_err(|invalid| invalid.under("within"))?;
+        box_inside(world, "within", shape.bounds())
     }
 
     fn measure(&mut self, state: &State<'_>, row: &mut [f64]) {
@@ -91,6 +93,15 @@ mod tests {
         app.assert("all.greatest", 6.0, 1e-12);
         app.assert("low.mean", 2.0, 1e-12);
         assert!(app.value("none.mean").is_some_and(f64::is_nan));
+    }
+
+    #[test]
+    fn a_part_outside_the_scene_is_refused() {
+        for within in ["min: (5, 0), max: (6, 1)", "min: (0, -3), max: (0.4, -2)"] {
+            let probe = format!(r#"probes: {{"s": ShearStress(phase: "water", within: Box({within}))}},"#);
+            let said = complaint(&scene(TANK, &probe));
+            assert!(said.contains("lies outside the scene"), "{said}");
+        }
     }
 
     #[test]

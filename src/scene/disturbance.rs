@@ -14,8 +14,9 @@ use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::geometry::Axis;
-use super::{Invalid, SceneSection, SectionError, vertical};
+use super::geometry::{Axis, axis_exists};
+use super::{Invalid, Resolution, SceneSection, SectionError, vertical};
+use crate::number::{plain, short};
 use crate::particles::{Fluid, Position, Velocity};
 use crate::physics::Gravity;
 
@@ -53,7 +54,7 @@ pub struct WaveMode {
     #[serde(default)]
     #[schemars(extend("unit" = "m", "exclusiveMinimum" = 0.0, "derived" = "a free surface"))]
     pub above: Option<f64>,
-    /// Amplitude (m) of the displacement: height of the crest.
+    /// Amplitude (m) of the displacement: height of the crest. Less than tanh(k h)/k, at which the fluid would fold over.
     #[serde(default)]
     #[schemars(extend("unit" = "m"))]
     pub displacement: f64,
@@ -72,12 +73,22 @@ impl SceneSection for Disturbance {
 
     fn check(&self, world: &World) -> Result<(), Invalid> {
         let Self::Mode(mode) = self else { return Ok(()) };
+        axis_exists(mode.along, world.resource::<Resolution>().dimension).map_err(|wrong| wrong.under("along"))?;
         for (name, length) in
             [("wavelength", Some(mode.wavelength)), ("below", Some(mode.below)), ("above", mode.above)]
         {
             if let Some(length) = length.filter(|length| *length <= 0.0) {
                 return Err(Invalid::new(name, format!("must be greater than 0, got {length} m")));
             }
+        }
+        let greatest = mode.greatest_displacement();
+        if mode.displacement.abs() >= greatest {
+            let message = format!(
+                "a crest of {} m would fold the fluid over: at this wavelength and depth it must be less than {} m",
+                plain(mode.displacement),
+                short(greatest)
+            );
+            return Err(Invalid::new("displacement", message));
         }
         match vertical(world.resource::<Gravity>().full) {
             Some((axis, _)) if axis == mode.along.index() => {
@@ -102,6 +113,12 @@ impl SceneSection for Disturbance {
 }
 
 impl WaveMode {
+    /// Amplitude A (m) of the displacement at which neighbours meet: horizontally they approach by up to A k coth(k h), h the lesser depth.
+    fn greatest_displacement(&self) -> f64 {
+        let k = std::f64::consts::TAU / self.wavelength;
+        (k * self.above.map_or(self.below, |above| above.min(self.below))).tanh() / k
+    }
+
     /// The mode of amplitude 1 at the place `x` (m); gravity acts along `axis`, which points up if `up` is 1.
     fn shape(&self, x: DVec3, (axis, up): (usize, f64)) -> DVec3 {
         let k = std::f64::consts::TAU / self.wavelength;
@@ -147,6 +164,19 @@ mod tests {
             assert!((dx.x + dy.y).abs() < 1e-6, "divergence {} 1/s at ({x}, {y})", dx.x + dy.y);
             assert!((dx.y - dy.x).abs() < 1e-6, "vorticity {} 1/s at ({x}, {y})", dx.y - dy.x);
         }
+    }
+
+    #[test]
+    fn the_greatest_displacement_is_where_columns_of_fluid_meet() {
+        let steepest = |mode: &WaveMode, amplitude: f64| {
+            // How far apart neighbours come to be, by how far they were: least next to the interface.
+            let gap = |x: f64, y: f64| 1.0 + amplitude * (shape(mode, x + 1e-6, y).x - shape(mode, x, y).x) / 1e-6;
+            (0..200)
+                .flat_map(|i| [0.0, 0.3, 0.3 + 1e-9, 0.5].map(|y| gap(0.004 * f64::from(i), y)))
+                .fold(f64::INFINITY, f64::min)
+        };
+        let greatest = MODE.greatest_displacement();
+        assert!(steepest(&MODE, 0.98 * greatest) > 0.0 && steepest(&MODE, 1.02 * greatest) < 0.0);
     }
 
     #[test]

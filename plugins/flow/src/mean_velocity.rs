@@ -4,7 +4,7 @@ use bevy_ecs::prelude::*;
 use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use storegga::probes::{Probe, SeriesField, State};
+use storegga::probes::{Probe, SeriesField, State, box_inside};
 use storegga::scene::geometry::Shape;
 use storegga::scene::{Invalid, Resolution};
 
@@ -28,7 +28,8 @@ impl Probe for MeanVelocity {
     }
 
     fn prepare(&mut self, world: &mut World) -> Result<(), Invalid> {
-        self.shape.check(world.resource::<Resolution>().dimension).map_err(|wrong| wrong.under("shape"))
+        self.shape.check(world.resource::<Resolution>().dimension).map_err(|wrong| wrong.under("shape"))?;
+        box_inside(world, "shape", self.shape.bounds())
     }
 
     fn measure(&mut self, state: &State<'_>, row: &mut [f64]) {

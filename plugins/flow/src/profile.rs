@@ -4,7 +4,7 @@ use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use storegga::scene::Invalid;
-use storegga::scene::geometry::{Axis, Point, coordinates};
+use storegga::scene::geometry::{Axis, Point, axis_exists, coordinates};
 
 /// A velocity that depends on the place.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -62,7 +62,8 @@ impl Profile {
     pub(crate) fn check(&self, dimension: usize) -> Result<(), Invalid> {
         match self {
             Self::Uniform { velocity } => coordinates(*velocity, dimension).map_err(|wrong| wrong.under("velocity")),
-            Self::Parabolic { mean, walls: (from, to), .. } => {
+            Self::Parabolic { mean, across, walls: (from, to) } => {
+                axis_exists(*across, dimension).map_err(|wrong| wrong.under("across"))?;
                 coordinates(*mean, dimension).map_err(|wrong| wrong.under("mean"))?;
                 if from >= to {
                     let message = format!("the first must lie below the second, got {from} and {to} m");
@@ -70,7 +71,8 @@ impl Profile {
                 }
                 Ok(())
             }
-            Self::Table { rows, .. } => {
+            Self::Table { across, rows } => {
+                axis_exists(*across, dimension).map_err(|wrong| wrong.under("across"))?;
                 if rows.is_empty() {
                     return Err(Invalid::new("rows", "a profile needs at least one row"));
                 }
@@ -156,5 +158,7 @@ mod tests {
         let mean = Point::plane(1.0, 0.0);
         let upside_down = Profile::Parabolic { mean, across: Axis::Y, walls: (1.0, 0.0) };
         assert_eq!(place(upside_down).as_deref(), Some("walls"));
+        let out_of_plane = Profile::Parabolic { mean, across: Axis::Z, walls: (0.0, 1.0) };
+        assert_eq!(place(out_of_plane).as_deref(), Some("across"));
     }
 }

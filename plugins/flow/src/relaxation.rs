@@ -25,6 +25,7 @@ use storegga::clock::Clock;
 use storegga::neighbours::{Neighbours, PeriodicSides};
 use storegga::particles::{Fluid, Position, Velocity};
 use storegga::physics::EquationOfState;
+use storegga::probes::box_inside;
 use storegga::scene::geometry::Shape;
 use storegga::scene::{Invalid, Resolution, SceneSection, SectionError};
 
@@ -85,6 +86,9 @@ impl SceneSection for RelaxationZones {
     }
 
     fn spawn(mut self, world: &mut World) -> Result<(), SectionError> {
+        for (name, zone) in &self.0 {
+            zone.check_place(world).map_err(|wrong| wrong.under(name))?;
+        }
         let v_max = world.resource::<EquationOfState>().max_speed;
         let sides = world.resource::<PeriodicSides>();
         for (name, zone) in &mut self.0 {
@@ -121,6 +125,15 @@ impl RelaxationZone {
             }
             _ => Ok(()),
         }
+    }
+
+    /// Refuses a zone that, through periodic sides too, never holds any fluid.
+    fn check_place(&self, world: &mut World) -> Result<(), Invalid> {
+        let (low, high) = self.shape.bounds();
+        let images: Vec<DVec3> = world.resource::<PeriodicSides>().images_of(DVec3::ZERO).collect();
+        let mut inside = |shift: DVec3| box_inside(world, "shape", (low + shift, high + shift));
+        let itself = inside(DVec3::ZERO);
+        if images.into_iter().any(|shift| inside(shift).is_ok()) { Ok(()) } else { itself }
     }
 
     /// Weight f of the rate at the place `x` (m), through periodic sides too.

@@ -18,7 +18,7 @@ use storegga::clock::Clock;
 use storegga::expect::CsvTable;
 use storegga::physics::Gravity;
 use storegga::scene::geometry::{Point, coordinates};
-use storegga::scene::{Invalid, Resolution, SceneSection, SectionError, scene_file};
+use storegga::scene::{Invalid, Resolution, SceneInfo, SceneSection, SectionError, scene_file};
 
 /// How the ground shakes: section `shaking` of a scene.
 ///
@@ -95,16 +95,31 @@ impl SceneSection for Shaking {
     fn spawn(self, world: &mut World) -> Result<(), SectionError> {
         let Self::Accelerogram { file, time, columns, scale } = self else { return Ok(()) };
         let file = scene_file(world, &file)?;
+        let end_time = world.resource::<SceneInfo>().end_time;
         let read = |(k, column): (usize, AccelerogramColumn)| {
             let table = CsvTable::read(&file, &time, &column.name).map_err(|wrong| match wrong.path.as_str() {
                 "value" => Invalid { path: format!("columns.{k}.name"), ..wrong },
                 _ => wrong,
             })?;
+            covers_run(&table, end_time)?;
             Ok((column.direction.position().normalize(), table))
         };
         let columns = columns.into_iter().enumerate().map(read).collect::<Result<_, Invalid>>()?;
         world.insert_resource(Accelerogram { columns, scale });
         Ok(())
+    }
+}
+
+/// Refuses a record of which nothing falls into the run, from 0 to `end_time` (s): the ground would rest.
+fn covers_run(table: &CsvTable, end_time: f64) -> Result<(), Invalid> {
+    match table.rows() {
+        [(first, _), .., (last, _)] if *first < end_time && *last > 0.0 => Ok(()),
+        rows => {
+            let at = |row: Option<&(f64, f64)>| row.map_or(0.0, |(time, _)| *time);
+            let (first, last) = (at(rows.first()), at(rows.last()));
+            let message = format!("its rows from {first} s to {last} s shake nothing in the run, 0 to {end_time} s");
+            Err(Invalid::new("file", message))
+        }
     }
 }
 

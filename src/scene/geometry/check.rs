@@ -1,6 +1,6 @@
 //! Which shapes make sense in a scene of a given dimension.
 
-use super::{Point, Shape, polygon};
+use super::{Axis, Point, Shape, polygon};
 use crate::scene::invalid::Invalid;
 
 impl Shape {
@@ -68,6 +68,17 @@ pub fn coordinates(point: Point, dimension: usize) -> Result<(), Invalid> {
         return Err(Invalid::new("", format!("found {}, expected {expected} that are finite", point.position())));
     }
     Ok(())
+}
+
+/// Refuses an axis that a scene of `dimension` 2 or 3 does not have.
+///
+/// # Errors
+/// The axis z in a scene of dimension 2.
+pub fn axis_exists(axis: Axis, dimension: usize) -> Result<(), Invalid> {
+    if axis.index() < dimension {
+        return Ok(());
+    }
+    Err(Invalid::new("", format!("a scene of dimension {dimension} has no z axis")))
 }
 
 fn positive(name: &str, value: f64) -> Result<(), Invalid> {

@@ -20,7 +20,7 @@ mod shape;
 mod test_support;
 
 pub use body::{SolidParticle, solid_particles};
-pub use check::coordinates;
+pub use check::{axis_exists, coordinates};
 pub use fill::{LatticeIndex, LatticePoint, lattice};
 pub use layers::{Side, ghost_layers};
 pub use point::Point;

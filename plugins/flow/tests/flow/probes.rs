@@ -15,7 +15,7 @@ const PAST: &str = r#"Scene(
     probes: {
         "force": ForceCoefficients(structure: "block", velocity: (0.0, 0.5), density: 1000.0, frontal: 0.2),
         "corner": MeanVelocity(shape: Box(min: (0.0, 0.0), max: (0.1, 0.1))),
-        "nowhere": MeanVelocity(shape: Box(min: (5.0, 5.0), max: (6.0, 6.0))),
+        "nowhere": MeanVelocity(shape: Box(min: (0.45, 0.45), max: (0.55, 0.55))),
     },
     log: (series: 0.02),
 )"#;
