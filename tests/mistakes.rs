@@ -237,6 +237,8 @@ fn waves() {
 #[test]
 fn too_many_particles() {
     refused("size_particles", "spacing: 0.01", "spacing: 1e-6");
+    refused("size_spacing_small", "spacing: 0.01", "spacing: 1e-300");
+    refused("size_spacing_great", "spacing: 0.01", "spacing: 1e300");
 }
 
 #[test]

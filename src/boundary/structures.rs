@@ -44,6 +44,13 @@ pub struct StructureSpec {
 /// Particles of a structure deeper (in spacings) in another one are a mistake in the scene.
 const OVERLAP: f64 = 0.25;
 
+impl StructuresSection {
+    /// The shapes that are filled.
+    pub(crate) fn shapes(self) -> Vec<Shape> {
+        self.0.into_values().map(|structure| structure.shape).collect()
+    }
+}
+
 impl SceneSection for StructuresSection {
     const NAME: &'static str = "structures";
 

@@ -11,9 +11,10 @@ use super::overlap::EarlierWalls;
 use super::{Motion, Structure};
 use crate::kernels::SmoothingKernel;
 use crate::neighbours::PeriodicSides;
+use crate::number::plain;
 use crate::particles::{Slip, Wall};
 use crate::scene::geometry::{Shape, Side, ghost_layers};
-use crate::scene::{Invalid, Resolution, SceneSection, SectionError, limit_particles};
+use crate::scene::{Invalid, Resolution, SceneSection, SectionError, limit_memory, limit_particles};
 
 /// Section `walls`: bodies of ghost particles, by name. Where walls overlap, the first has the ghosts, and its slip holds; walls
 /// that move differently must not overlap at the start.
@@ -54,6 +55,20 @@ pub enum FluidSide {
     Outside,
 }
 
+impl WallSpec {
+    /// The side of the surface on which its ghosts are.
+    fn side(&self) -> Side {
+        if self.fluid == FluidSide::Inside { Side::Outside } else { Side::Inside }
+    }
+}
+
+impl WallsSection {
+    /// The shapes that are lined, and on which side.
+    pub(crate) fn shapes(self) -> Vec<(Shape, Side)> {
+        self.0.into_values().map(|wall| (wall.shape.clone(), wall.side())).collect()
+    }
+}
+
 impl SceneSection for WallsSection {
     const NAME: &'static str = "walls";
 
@@ -79,12 +94,13 @@ impl SceneSection for WallsSection {
     }
 
     fn spawn(self, world: &mut World) -> Result<(), SectionError> {
+        limit_memory(world)?;
         let resolution = *world.resource::<Resolution>();
         let periodic = *world.resource::<PeriodicSides>();
         let layers = ghost_layer_count(world.resource::<SmoothingKernel>(), &resolution);
         let mut earlier = EarlierWalls::new(&resolution, layers, periodic);
         for (index, (name, wall)) in self.0.into_iter().enumerate() {
-            let side = if wall.fluid == FluidSide::Inside { Side::Outside } else { Side::Inside };
+            let side = wall.side();
             let ghosts =
                 ghost_layers(&wall.shape, side, layers, resolution.spacing, resolution.dimension, wall.cut.as_ref());
             // Beyond a periodic side a container's own images continue it, and so do those of an obstacle that reaches right
@@ -96,7 +112,7 @@ impl SceneSection for WallsSection {
             };
             let mut ghosts: Vec<_> = ghosts.into_iter().filter(|x| periodic.contains(*x) || !continued(*x)).collect();
             if ghosts.is_empty() {
-                let message = format!("no ghost particle fits at a spacing of {} m", resolution.spacing);
+                let message = format!("no ghost particle fits at a spacing of {} m", plain(resolution.spacing));
                 return Err(Invalid::new(format!("{name}.shape"), message).into());
             }
             let left_out = earlier.leave_out(&mut ghosts, &wall.motion, wall.slip).map_err(|other| {

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::columns::Depths;
 use super::geometry::{LatticeIndex, Point, RigidRotation, Shape, coordinates, corners, lattice, solid_particles};
-use super::limits::{limit_memory, limit_particles};
+use super::limits::limit_particles;
 use super::{Invalid, Resolution, SceneFacts, SceneInfo, SceneSection, SectionError};
 use crate::boundary::{Body, BodyShape, Motion, Structure, body_shapes};
 use crate::neighbours::PeriodicSides;
@@ -194,7 +194,7 @@ impl SceneSection for FluidsSection {
                 return Err(Invalid::new(format!("{k}.filling"), message));
             }
         }
-        limit_memory(world, self.0.iter().map(|fluid| &fluid.shape))
+        Ok(())
     }
 
     fn spawn(self, world: &mut World) -> Result<(), SectionError> {
@@ -252,6 +252,11 @@ impl SceneSection for FluidsSection {
 }
 
 impl FluidsSection {
+    /// The shapes that are filled.
+    pub(super) fn shapes(self) -> Vec<Shape> {
+        self.0.into_iter().map(|fluid| fluid.shape).collect()
+    }
+
     /// A hydrostatic start under a gravity that has yet to grow would spring up like a released spring.
     fn refuse_weight_before_gravity(&self, world: &World) -> Result<(), Invalid> {
         let ramp = matches!(world.resource::<Settling>(), Settling::GravityRamp { .. });

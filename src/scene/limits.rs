@@ -6,10 +6,13 @@ use bevy_ecs::prelude::*;
 use glam::DVec3;
 use sysinfo::{MemoryRefreshKind, RefreshKind, System};
 
-use super::geometry::Shape;
-use super::{Invalid, Resolution};
+use super::geometry::{Shape, Side, lining_measure};
+use super::{FluidsSection, Invalid, Resolution, SceneDocument, SceneSection};
+use crate::boundary::{StructuresSection, WallsSection};
+use crate::error::UserError;
 use crate::kernels::SmoothingKernel;
 use crate::neighbours::NeighbourSettings;
+use crate::number::{bytes, plain, short};
 
 /// More particles than this are a mistake in the scene rather than a case that a machine of today runs.
 const MOST_PARTICLES: f64 = 5e7;
@@ -20,8 +23,9 @@ pub(crate) fn limit_particles((min, max): (DVec3, DVec3), resolution: &Resolutio
         let lengths = (max - min).to_array();
         lengths[..resolution.dimension].iter().map(|length| (length / spacing).ceil().max(1.0)).product::<f64>()
     };
+    let needed = cells(resolution.spacing);
     // NaN and infinity are too many as well.
-    if cells(resolution.spacing) <= MOST_PARTICLES {
+    if needed <= MOST_PARTICLES {
         return Ok(());
     }
     let mut fits = resolution.spacing.max(f64::MIN_POSITIVE);
@@ -31,10 +35,10 @@ pub(crate) fn limit_particles((min, max): (DVec3, DVec3), resolution: &Resolutio
     Err(Invalid::new(
         "",
         format!(
-            "needs up to {:.1e} particles at a spacing of {} m, more than the {MOST_PARTICLES:.0e} that are allowed: a \
-             spacing of {fits:.3e} m would do",
-            cells(resolution.spacing),
-            resolution.spacing,
+            "needs {} particles at a spacing of {} m, more than the {MOST_PARTICLES:.0e} that are allowed: a spacing of \
+             {fits:.3e} m would do",
+            if needed < 1e15 { format!("up to {needed:.1e}") } else { about(needed) },
+            plain(resolution.spacing),
         ),
     ))
 }
@@ -54,31 +58,101 @@ pub(crate) fn bytes_of(particles: f64, pairs: f64) -> f64 {
     particles * BYTES_PER_PARTICLE + pairs * BYTES_PER_PAIR * SLACK
 }
 
-/// Refuses fluids that would need more memory than is free, before any particle of them is made.
-pub(super) fn limit_memory<'a>(world: &World, fluids: impl Iterator<Item = &'a Shape>) -> Result<(), Invalid> {
-    let resolution = *world.resource::<Resolution>();
-    let reach = (1.0 + world.resource::<NeighbourSettings>().skin) * world.resource::<SmoothingKernel>().0.radius();
-    let size: f64 = fluids.map(|shape| greatest_measure(shape, resolution.dimension)).sum();
-    // A small scene fits any machine, and asking takes a moment.
-    let particles = size / resolution.particle_volume();
-    if particles < 1e5 { Ok(()) } else { fits(particles, reach, available_memory(), &resolution) }
+/// What a scene is made of, in areas (m²) or volumes (m³).
+struct Contents {
+    fluids: f64,
+    structures: f64,
+    /// Shapes of the walls, and the side of their ghosts.
+    walls: Vec<(Shape, Side)>,
+    dimension: usize,
+    /// Layers of ghosts.
+    layers: f64,
+    /// Listed neighbours of a particle with fluid all around it.
+    neighbours: f64,
 }
 
-/// Refuses `particles` that need more than `available` bytes; pairs up to `reach` (m) are listed.
-fn fits(particles: f64, reach: f64, available: f64, resolution: &Resolution) -> Result<(), Invalid> {
-    let ball = if resolution.dimension == 2 { PI * reach.powi(2) } else { 4.0 / 3.0 * PI * reach.powi(3) };
-    let needed = bytes_of(particles, particles * ball / resolution.particle_volume());
-    if needed <= available {
-        return Ok(());
+impl Contents {
+    /// What the document of `world` names, read before any of it is made. What is wrong or too large in itself is left to its own
+    /// section.
+    fn of(world: &World) -> Self {
+        let resolution = world.resource::<Resolution>();
+        let Resolution { dimension, spacing, .. } = *resolution;
+        let kernel = world.resource::<SmoothingKernel>();
+        let reach = (1.0 + world.resource::<NeighbourSettings>().skin) * kernel.0.radius() / spacing;
+        let document = &world.resource::<SceneDocument>().0;
+        let is_sound =
+            |shape: &Shape| shape.check(dimension).is_ok() && limit_particles(shape.bounds(), resolution).is_ok();
+        let size = |shapes: Vec<Shape>| -> f64 {
+            shapes.iter().filter(|shape| is_sound(shape)).map(|shape| greatest_measure(shape, dimension)).sum()
+        };
+        let read_fluids = document.read::<FluidsSection>(FluidsSection::NAME);
+        let read_structures = document.read::<StructuresSection>(StructuresSection::NAME);
+        let read_walls = document.read::<WallsSection>(WallsSection::NAME);
+        let walls = read_walls.map(|walls| walls.shapes()).unwrap_or_default();
+        Self {
+            fluids: size(read_fluids.map(|fluids| fluids.shapes()).unwrap_or_default()),
+            structures: size(read_structures.map(|structures| structures.shapes()).unwrap_or_default()),
+            walls: walls.into_iter().filter(|(shape, _)| is_sound(shape)).collect(),
+            dimension,
+            layers: (kernel.0.radius() / spacing).ceil(),
+            neighbours: if dimension == 2 { PI * reach.powi(2) } else { 4.0 / 3.0 * PI * reach.powi(3) },
+        }
     }
-    let coarser = resolution.spacing * (needed / available).powf(1.0 / resolution.dimension as f64);
-    let message = format!(
-        "they need about {particles:.1e} particles and {:.1} GB of memory, but {:.1} GB are free: a spacing of {coarser:.2e} m \
-         would do",
-        needed / 1e9,
-        available / 1e9
-    );
-    Err(Invalid::new("", message))
+
+    /// Particles of fluids, walls and structures at this spacing (m).
+    fn particles(&self, spacing: f64) -> [f64; 3] {
+        let lining =
+            |(shape, side): &(Shape, Side)| lining_measure(shape, *side, self.layers * spacing, self.dimension);
+        let walls: f64 = self.walls.iter().map(lining).sum();
+        [self.fluids, walls, self.structures].map(|size| size / spacing.powi(self.dimension as i32))
+    }
+
+    /// Bytes that they take; ghosts have fluid on one side only.
+    fn bytes(&self, spacing: f64) -> f64 {
+        let [fluid, wall, structure] = self.particles(spacing);
+        bytes_of(fluid + wall + structure, (fluid + 0.5 * (wall + structure)) * self.neighbours)
+    }
+
+    /// Refuses what needs more than `available` bytes at this spacing (m).
+    fn fit(&self, spacing: f64, available: f64) -> Result<(), Invalid> {
+        let needed = self.bytes(spacing);
+        if needed <= available {
+            return Ok(());
+        }
+        let mut coarser = spacing;
+        while self.bytes(coarser) > available && coarser.is_finite() {
+            coarser *= 1.02;
+        }
+        // Not less after rounding.
+        let coarser = short(1.001 * coarser);
+        let [fluid, wall, structure] = self.particles(spacing).map(about);
+        let memory = if needed < 1e15 { format!("about {}", bytes(needed)) } else { "more than 1000 TB".to_owned() };
+        let message = format!(
+            "{fluid} fluid, {wall} wall and {structure} structure particles need {memory} of memory, but {} are free: a \
+             spacing of {coarser} m would do",
+            bytes(available)
+        );
+        Err(Invalid::new("spacing", message))
+    }
+}
+
+/// A great number, in a few letters.
+fn about(count: f64) -> String {
+    // An empty sum is −0.
+    if count < 1e15 { short(count.round() + 0.0) } else { "more than 1e15".to_owned() }
+}
+
+/// Refuses a scene whose fluids, walls and structures would together need more memory than is free, before any of their
+/// particles is made.
+pub(crate) fn limit_memory(world: &World) -> Result<(), UserError> {
+    let spacing = world.resource::<Resolution>().spacing;
+    let contents = Contents::of(world);
+    // A small scene fits any machine, and asking takes a moment. No number comes of a spacing whose powers are infinite.
+    if contents.particles(spacing).iter().sum::<f64>() > 1e5 {
+        let document = &world.resource::<SceneDocument>().0;
+        contents.fit(spacing, available_memory()).map_err(|invalid| document.invalid(&invalid))?;
+    }
+    Ok(())
 }
 
 /// Memory (bytes) that the program can have, within the limits of its container.
@@ -100,23 +174,37 @@ fn greatest_measure(shape: &Shape, dimension: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::geometry::Point;
     use super::*;
 
     #[test]
-    fn memory_is_that_of_the_particles_and_a_coarser_spacing_fits() {
-        let resolution = |spacing| Resolution { dimension: 3, spacing, smoothing_length: 1.2 * spacing };
-        // Of a cube of 1 m: 10⁶ particles, each with 4/3 π 4³ = 268 pairs of 18 bytes.
-        let bytes = 1e6 * (700.0 + 4.0 / 3.0 * PI * 64.0 * 18.0);
-        assert_eq!(fits(1e6, 0.04, bytes * 1.001, &resolution(0.01)), Ok(()));
-        let refused = fits(1e6, 0.04, bytes / 8.0, &resolution(0.01)).map_err(|invalid| invalid.message);
-        assert!(refused.as_ref().is_err_and(|text| text.contains("a spacing of 2.00e-2 m")), "{refused:?}");
-        assert_eq!(fits(1e6 / 8.0, 0.08, bytes / 8.0 * 1.001, &resolution(0.02)), Ok(()));
+    fn memory_is_that_of_all_particles_and_a_coarser_spacing_fits() {
+        let cube = |side: f64| Shape::Box { min: Point::space(0.0, 0.0, 0.0), max: Point::space(side, side, side) };
+        let contents = Contents {
+            fluids: 1.0,
+            structures: 0.0,
+            walls: vec![(cube(1.0), Side::Outside)],
+            dimension: 3,
+            layers: 4.0,
+            neighbours: 268.0,
+        };
+        // A cube of 1 m: 10⁶ particles, and 108³ − 10⁶ ghosts, each with 18 bytes a pair.
+        let ghosts = 108.0_f64.powi(3) - 1e6;
+        let needed = 1e6 * (700.0 + 268.0 * 18.0) + ghosts * (700.0 + 134.0 * 18.0);
+        assert_eq!(contents.fit(0.01, needed * 1.001), Ok(()));
+        let refused = contents.fit(0.01, needed / 8.0).map_err(|invalid| invalid.message).err().unwrap_or_default();
+        let (_, coarser) = refused.split_once("a spacing of ").unwrap_or_default();
+        let coarser: f64 = coarser.split(' ').next().and_then(|text| text.parse().ok()).unwrap_or(f64::NAN);
+        // Ghosts become fewer by a factor of 4 only where the fluid has 8 times fewer particles.
+        assert!(coarser > 0.02 && coarser < 0.024, "{refused}");
+        assert_eq!(contents.fit(coarser, needed / 8.0), Ok(()));
+        assert!(contents.fit(1e-12, 8e9).is_err_and(|refused| refused.message.contains("more than 1000 TB")));
         assert!(available_memory() > 1e6);
     }
 
     #[test]
     fn shapes_without_a_closed_form_are_bounded() {
-        let disc = |radius| Shape::Circle { center: super::super::geometry::Point::plane(0.0, 0.0), radius };
+        let disc = |radius| Shape::Circle { center: Point::plane(0.0, 0.0), radius };
         let ring = Shape::Difference { of: Box::new(disc(2.0)), minus: vec![disc(1.0)] };
         assert!((greatest_measure(&Shape::Union(vec![ring, disc(1.0)]), 2) - 5.0 * PI).abs() < 1e-12);
     }

@@ -24,7 +24,7 @@ pub use fluids::{FilledFluids, Filling, FluidSpec, FluidsSection, InitialPressur
 pub use header::{Header, Periodic, Resolution, SceneInfo};
 pub use hydrostatics::{Column, Layer};
 pub use invalid::Invalid;
-pub(crate) use limits::{bytes_of, limit_particles};
+pub(crate) use limits::{bytes_of, limit_memory, limit_particles};
 pub use load::{Deferred, SceneDocument, load_scene, read_header};
 pub use section::{SceneFacts, SceneSection, SceneSettings, SectionError, SectionRegistry};
 pub use variant::open_document;

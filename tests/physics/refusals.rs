@@ -82,3 +82,20 @@ fn structures_that_overlap() {
     // Side by side they are no mistake.
     let _ = app(&two(0.55), &[]);
 }
+
+/// Walls alone can need more memory than any machine has: that is said before the first ghost is made.
+#[test]
+fn walls_count_before_they_are_made() {
+    // Each has six sides of 340 by 340 ghosts, four deep: 3 million.
+    let wall = |k: i32| {
+        let x = 10.0 * f64::from(k);
+        format!(r#""{k}": (shape: Box(min: ({x:?}, 5.0, 0.0), max: ({:?}, 8.4, 3.4)), fluid: Outside),"#, x + 3.4)
+    };
+    let walls: String = (0..2000).map(wall).collect();
+    let scene = tank(3).replace("spacing: 0.05", "spacing: 0.01").replace("walls: {", &format!("walls: {{ {walls}"));
+    let said = refusal(&scene, &[]);
+    assert!(
+        said.contains("`spacing`") && said.contains("of memory") && said.contains(" wall and 0 structure"),
+        "{said}"
+    );
+}
