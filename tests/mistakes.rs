@@ -183,6 +183,7 @@ fn places() {
     warned("place_structure_half_in_wall", "center: (0.3, 0.05)", "center: (0.4, 0.05)");
     warned("place_gap_at_wall", "min: (0.0, 0.1), max: (0.4, 0.2)", "min: (0.0, 0.1), max: (0.38, 0.2)");
     warned("place_gap_between_fluids", "min: (0.0, 0.1), max: (0.4, 0.2)", "min: (0.0, 0.11), max: (0.4, 0.2)");
+    warned("place_period", "end_time: 0.05,", "end_time: 0.05, periodic: (x: (0.0, 0.405)),");
     warned("place_off_lattice", "max: (0.4, 0.2)", "max: (0.4, 0.204)");
 }
 
@@ -212,12 +213,18 @@ fn physics() {
     let ram = fast("radius: 0.03)", "radius: 0.03), motion: Translation(velocity: (2.0, 0.0), until: 0.001)");
     check("physics_fast_body", &said("physics_fast_body", &ram, &[], &[]));
     warned("physics_always_capped", "max_viscosity: 50.0", "max_viscosity: 0.05");
+    refused("physics_falls_for_ever", "end_time: 0.05,", "end_time: 0.05, periodic: (y: (0.0, 0.4)),");
     refused("physics_hydrostatic_ramp", "end_time: 0.05,", "end_time: 0.05, settling: GravityRamp(until: 0.1),");
     refused(
         "physics_no_fluid",
         "    fluids: [\n        (phase: \"water\", shape: Box(min: (0.0, 0.1), max: (0.4, 0.2))),\n        (phase: \"mud\", shape: Box(min: (0.0, 0.0), max: (0.4, 0.1))),\n    ],",
         "    fluids: [],",
     );
+}
+
+#[test]
+fn times() {
+    warned("time_settling", "end_time: 0.05,", "end_time: 0.05, settling: Damping(until: 1.0, rate: 20.0),");
 }
 
 #[test]

@@ -10,12 +10,13 @@ use serde::{Deserialize, Serialize};
 use super::columns::Depths;
 use super::geometry::{LatticeIndex, Point, RigidRotation, Shape, coordinates, corners, lattice, solid_particles};
 use super::limits::limit_particles;
-use super::{Invalid, Resolution, SceneFacts, SceneInfo, SceneSection, SectionError};
-use crate::boundary::{Body, BodyShape, Motion, Structure, body_shapes};
+use super::state::choose_state;
+use super::{Invalid, Resolution, SceneSection, SectionError};
+use crate::boundary::{Body, BodyShape, Structure, body_shapes};
 use crate::neighbours::PeriodicSides;
 use crate::particles::{Density, Fluid, Mass, ParticleId, PhaseIndex, Position, Pressure, ReferenceDensity, Velocity};
-use crate::phases::{phase_named, phases};
-use crate::physics::{EquationOfState, GREATEST_COMPRESSION, Gravity, Settling, StateSettings};
+use crate::phases::phase_named;
+use crate::physics::{GREATEST_COMPRESSION, Settling};
 
 /// Section `fluids`: what is filled with which phase. Fluids must not overlap (a place on a common edge belongs to the
 /// first); walls and structures displace them.
@@ -211,7 +212,7 @@ impl SceneSection for FluidsSection {
             periodic: *world.resource::<PeriodicSides>(),
         };
         let depths = Depths::of(world, &seeds, &filled, |fluid| kinds[fluid].1);
-        let state = choose_state(world, depths.as_ref(), &self.0)?;
+        let state = choose_state(world, depths.as_ref(), self.greatest_start_speed())?;
         let mut particles = Vec::with_capacity(seeds.len());
         for (id, seed) in seeds.iter().enumerate() {
             let spec = &self.0[seed.fluid];
@@ -252,6 +253,10 @@ impl SceneSection for FluidsSection {
 }
 
 impl FluidsSection {
+    fn greatest_start_speed(&self) -> f64 {
+        self.0.iter().map(FluidSpec::greatest_speed).fold(0.0, f64::max)
+    }
+
     /// The shapes that are filled.
     pub(super) fn shapes(self) -> Vec<Shape> {
         self.0.into_iter().map(|fluid| fluid.shape).collect()
@@ -363,43 +368,4 @@ fn count(seeds: &[Seed], phase_of_fluid: impl Iterator<Item = usize>) -> Vec<usi
     let mut particles = vec![0; phase_of_fluid.iter().max().map_or(0, |most| most + 1)];
     seeds.iter().for_each(|seed| particles[phase_of_fluid[seed.fluid]] += 1);
     particles
-}
-
-/// Eq. 8, with p_max and v_max of the scene or estimated from it.
-fn choose_state(
-    world: &mut World,
-    depths: Option<&Depths>,
-    fluids: &[FluidSpec],
-) -> Result<EquationOfState, SectionError> {
-    let settings = *world.resource::<StateSettings>();
-    let densities: Vec<f64> = phases(world).into_iter().map(|(_, rho0)| rho0).collect();
-    let (depth_pressure, height) = depths.map_or((0.0, 0.0), Depths::extremes);
-    let start_speed = fluids.iter().map(FluidSpec::greatest_speed).fold(0.0, f64::max);
-    let wall_speed = greatest_wall_speed(world);
-    let dam_break_speed = 2.0 * (world.resource::<Gravity>().full.length() * height).sqrt();
-    let max_pressure = settings.max_pressure.unwrap_or(depth_pressure);
-    let max_speed = settings.max_speed.unwrap_or(dam_break_speed.max(start_speed).max(wall_speed));
-    let state = EquationOfState::new(&densities, &settings, max_pressure, max_speed);
-    if state.bulk_modulus > 0.0 && state.bulk_modulus.is_finite() {
-        let mut facts = world.resource_mut::<SceneFacts>();
-        for (field, given, value, unit) in [
-            ("max_pressure", settings.max_pressure, max_pressure, "Pa"),
-            ("max_speed", settings.max_speed, max_speed, "m/s"),
-        ] {
-            if given.is_none() {
-                facts.resolve(&format!("{}.{field}", StateSettings::NAME), format!("{value} {unit}, estimated"));
-            }
-        }
-        return Ok(state);
-    }
-    let document = &world.resource::<super::SceneDocument>().0;
-    let message = "the sound speed comes out as 0 or infinite: give `max_speed` (m/s) or `max_pressure` (Pa)";
-    Err(document.invalid(&Invalid::new(StateSettings::NAME, message)).into())
-}
-
-/// Greatest speed (m/s) that any body is prescribed.
-fn greatest_wall_speed(world: &mut World) -> f64 {
-    let end_time = world.resource::<SceneInfo>().end_time;
-    let mut bodies = world.query::<(&BodyShape, &Motion)>();
-    bodies.iter(world).map(|(body, motion)| motion.greatest_speed(body.shape.bounds(), end_time)).fold(0.0, f64::max)
 }

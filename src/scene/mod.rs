@@ -13,6 +13,7 @@ mod limits;
 mod load;
 pub mod schema;
 mod section;
+mod state;
 mod variant;
 
 pub(crate) use columns::vertical;

@@ -3,6 +3,7 @@
 use bevy_ecs::prelude::*;
 
 use crate::boundary::body_shapes;
+use crate::neighbours::PeriodicSides;
 use crate::number::short;
 use crate::phases::phases;
 use crate::scene::geometry::{Shape, lattice};
@@ -37,6 +38,23 @@ fn sides_off_lattice(path: &str, shape: &Shape, resolution: &Resolution) -> Opti
     let verb = if found.len() == 1 { "is not a multiple" } else { "are not multiples" };
     (!found.is_empty())
         .then(|| Invalid::new(format!("{path}.shape"), format!("{sides} {verb} of the spacing {spacing} m")))
+}
+
+/// Periods that are no whole number of spacings: the lattice does not join at the seam.
+pub(super) fn periods_off_lattice(world: &mut World) -> Vec<Invalid> {
+    let spacing = world.resource::<Resolution>().spacing;
+    let axes = ["x", "y", "z"].into_iter().zip(world.resource::<PeriodicSides>().0);
+    let off = |(axis, sides): (&str, Option<(f64, f64)>)| {
+        let (from, to) = sides?;
+        let cells = (to - from) / spacing;
+        let message = format!(
+            "the period of {} m is not a multiple of the spacing {} m: at the seam particles lie closer together or farther apart",
+            short(to - from),
+            short(spacing)
+        );
+        ((cells - cells.round()).abs() > TOLERANCE).then(|| Invalid::new(format!("periodic.{axis}"), message))
+    };
+    axes.filter_map(off).collect()
 }
 
 /// A shape is thin if it is less than this (in spacings) across along some axis.

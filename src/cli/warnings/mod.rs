@@ -4,6 +4,7 @@ mod bodies;
 mod filling;
 mod speeds;
 mod surroundings;
+mod times;
 
 use bevy_ecs::prelude::*;
 
@@ -14,8 +15,9 @@ use crate::scene::{Invalid, SceneDocument};
 
 /// Warnings about the scene of a world at its start, each with its place.
 pub(super) fn warnings(world: &mut World) -> Vec<UserError> {
-    let found: [Vec<Invalid>; 9] = [
+    let found: [Vec<Invalid>; 11] = [
         filling::off_lattice(world),
+        filling::periods_off_lattice(world),
         filling::thin_fluids(world),
         filling::unused_phases(world),
         surroundings::gaps(world),
@@ -24,6 +26,7 @@ pub(super) fn warnings(world: &mut World) -> Vec<UserError> {
         bodies::overlapping_walls(world),
         speeds::fast_starts(world),
         speeds::constant_viscosities(world),
+        times::endless_settling(world),
     ];
     let document = &world.resource::<SceneDocument>().0;
     found.iter().flatten().map(|invalid| document.invalid(invalid)).collect()
