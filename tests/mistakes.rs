@@ -154,6 +154,16 @@ fn shapes() {
     );
     refused("shape_of_space", "Circle(center: (0.3, 0.05), radius: 0.03)", "Sphere(center: (0.3, 0.05), radius: 0.03)");
     refused("shape_thin_structure", "radius: 0.03", "radius: 0.001");
+    refused(
+        "shape_nothing_left",
+        "Circle(center: (0.3, 0.05), radius: 0.03)",
+        "Difference(of: Circle(center: (0.3, 0.05), radius: 0.03), minus: [Box(min: (0.2, 0.0), max: (0.4, 0.1))])",
+    );
+    refused(
+        "shape_nothing_left_of_fluid",
+        "shape: Box(min: (0.0, 0.1), max: (0.4, 0.2))",
+        "shape: Difference(of: Box(min: (0.0, 0.1), max: (0.4, 0.2)), minus: [Box(min: (0.0, 0.0), max: (0.4, 0.3))])",
+    );
     refused("shape_thin_fluid", "min: (0.0, 0.1), max: (0.4, 0.2)", "min: (0.0, 0.101), max: (0.4, 0.104)");
     warned("shape_thinnish_fluid", "min: (0.0, 0.1), max: (0.4, 0.2)", "min: (0.0, 0.1), max: (0.4, 0.106)");
 }
@@ -246,6 +256,20 @@ fn too_many_particles() {
     refused("size_particles", "spacing: 0.01", "spacing: 1e-6");
     refused("size_spacing_small", "spacing: 0.01", "spacing: 1e-300");
     refused("size_spacing_great", "spacing: 0.01", "spacing: 1e300");
+}
+
+/// No gap is seen between a disc of fitted particles and the fluid around it.
+#[test]
+fn a_fitted_disc_fills_its_hole() {
+    let water = r#"(phase: "water", shape: Box(min: (0.0, 0.1), max: (0.4, 0.2)))"#;
+    // The second is off the lattice, so that its particles share cells with the fluid around it.
+    for disc in ["Circle(center: (0.15, 0.15), radius: 0.03)", "Circle(center: (0.155, 0.15), radius: 0.033)"] {
+        let with_disc = format!(
+            r#"(phase: "water", shape: Difference(of: Box(min: (0.0, 0.1), max: (0.4, 0.2)), minus: [{disc}])),
+            (phase: "water", shape: {disc}, pressure: Uniform(500.0), filling: Fitted)"#
+        );
+        assert_eq!(said("fitted", &with(water, &with_disc), &[], &[]), "exit code 0\n", "{disc}");
+    }
 }
 
 #[test]

@@ -9,9 +9,10 @@ use serde::{Deserialize, Serialize};
 use super::body::{Body, BodyShape, spawn_body};
 use super::{Motion, Structure, body_shapes};
 use crate::neighbours::PeriodicSides;
+use crate::number::{plain, short};
 use crate::particles::{Slip, Solid};
 use crate::scene::geometry::{Point, Shape, coordinates, solid_particles};
-use crate::scene::{Invalid, Resolution, SceneFacts, SceneSection, SectionError, limit_particles};
+use crate::scene::{Invalid, NOTHING_LEFT, Resolution, SceneFacts, SceneSection, SectionError, limit_particles};
 
 /// Section `structures`: bodies that report force and moment, by name. Structures must not overlap.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -91,11 +92,14 @@ impl SceneSection for StructuresSection {
         let mut earlier: Vec<(String, BodyShape)> = Vec::new();
         for (index, (name, spec)) in self.0.into_iter().enumerate() {
             let particles = solid_particles(&spec.shape, resolution.spacing, resolution.dimension);
+            if particles.is_empty() && matches!(spec.shape, Shape::Difference { .. }) {
+                return Err(Invalid::new(format!("{name}.shape"), NOTHING_LEFT).into());
+            }
             let (low, high) = spec.shape.bounds();
             let across = (high - low).to_array()[..resolution.dimension].iter().copied().fold(f64::INFINITY, f64::min);
             if particles.len() < 2 || across < resolution.spacing {
-                let message =
-                    format!("is {across} m thin, less than a particle at a spacing of {} m", resolution.spacing);
+                let (across, spacing) = (short(across), plain(resolution.spacing));
+                let message = format!("is {across} m thin, less than a particle at a spacing of {spacing} m");
                 return Err(Invalid::new(format!("{name}.shape"), message).into());
             }
             let volume: f64 = particles.iter().map(|particle| particle.volume).sum();

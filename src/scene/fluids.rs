@@ -14,6 +14,7 @@ use super::state::choose_state;
 use super::{Invalid, Resolution, SceneSection, SectionError};
 use crate::boundary::{Body, BodyShape, Structure, body_shapes};
 use crate::neighbours::PeriodicSides;
+use crate::number::plain;
 use crate::particles::{Density, Fluid, Mass, ParticleId, PhaseIndex, Position, Pressure, ReferenceDensity, Velocity};
 use crate::phases::phase_named;
 use crate::physics::{GREATEST_COMPRESSION, Settling};
@@ -160,6 +161,9 @@ const OVERLAP: f64 = 0.75;
 /// Cells whose centre lies on the edge of a shape, to rounding (in spacings), belong to it.
 const EDGE: f64 = 1e-9;
 
+/// Said of a `Difference` without a particle.
+pub(crate) const NOTHING_LEFT: &str = "nothing is left of it: `minus` takes all of `of` away";
+
 /// A particle to be.
 pub(super) struct Seed {
     /// The cell of the lattice that it lies in.
@@ -285,7 +289,11 @@ impl FluidsSection {
         let mut seeds = Vec::new();
         for (k, fluid) in self.0.iter().enumerate() {
             let before = seeds.len();
-            for point in fluid.places(k, &resolution) {
+            let places = fluid.places(k, &resolution);
+            if places.is_empty() && matches!(fluid.shape, Shape::Difference { .. }) {
+                return Err(Invalid::new(format!("{k}.shape"), NOTHING_LEFT));
+            }
+            for point in places {
                 if !periodic.contains(point.position) {
                     let message = format!("reaches beyond the periodic sides at {}", place(point.position));
                     return Err(Invalid::new(format!("{k}.shape"), message));
@@ -299,7 +307,11 @@ impl FluidsSection {
                     }
                     Place::InWall(name) => return Err(overlap(k, fluid, point.position, name)),
                 }
-                if let Some(&other) = taken.get(&point.index).filter(|other| **other != k) {
+                // Places along a surface share cells with the lattice beside it.
+                let is_in = |other: &usize| {
+                    self.0[*other].shape.signed_distance(point.position) < 2.0 * EDGE * resolution.spacing
+                };
+                if let Some(&other) = taken.get(&point.index).filter(|other| **other != k && is_in(other)) {
                     // A cell whose centre lies on the common edge of two fluids belongs to the first.
                     if fluid.shape.signed_distance(point.position).abs() < 2.0 * EDGE * resolution.spacing {
                         continue;
@@ -312,7 +324,7 @@ impl FluidsSection {
                 seeds.push(point);
             }
             if seeds.len() == before {
-                let message = format!("holds no particle at a spacing of {} m", resolution.spacing);
+                let message = format!("holds no particle at a spacing of {} m", plain(resolution.spacing));
                 return Err(Invalid::new(format!("{k}.shape"), message));
             }
         }

@@ -9,7 +9,7 @@ use crate::boundary::{BodyShape, body_shapes};
 use crate::neighbours::PeriodicSides;
 use crate::particles::{Fluid, Position};
 use crate::physics::StateSettings;
-use crate::scene::geometry::LatticeIndex;
+use crate::scene::geometry::{LatticeIndex, Shape};
 use crate::scene::{FilledFluids, Invalid, Resolution, WALL_CLEARANCE};
 
 /// A gap is a mistake if it is so many empty cells wide, and no wider.
@@ -21,6 +21,8 @@ const GAP_SHARE: f64 = 0.5;
 /// The cells of the lattice and what is in them.
 struct Cells {
     fluid: HashSet<LatticeIndex>,
+    /// The shapes of the fluids: `Fitted` ones have no particle in some cells, and two in others.
+    shapes: Vec<Shape>,
     bodies: Vec<(String, BodyShape, bool)>,
     periodic: PeriodicSides,
     resolution: Resolution,
@@ -39,7 +41,8 @@ impl Cells {
         let resolution = *world.resource::<Resolution>();
         let bodies = body_shapes(world);
         let periodic = *world.resource::<PeriodicSides>();
-        let mut cells = Self { fluid: HashSet::new(), bodies, periodic, resolution };
+        let shapes = world.resource::<FilledFluids>().fluids.iter().map(|(shape, _)| shape.clone()).collect();
+        let mut cells = Self { fluid: HashSet::new(), shapes, bodies, periodic, resolution };
         let mut fluid = world.query_filtered::<&Position, With<Fluid>>();
         cells.fluid = fluid.iter(world).map(|x| cells.index(x.0)).collect();
         cells
@@ -58,9 +61,12 @@ impl Cells {
         let solid =
             |body: &BodyShape| body.clearance_through(&self.periodic, x) < WALL_CLEARANCE * self.resolution.spacing;
         let body = self.bodies.iter().find(|(_, body, _)| solid(body));
-        body.map_or(Content::Nothing, |(name, _, is_structure)| {
-            Content::Body(format!("the {} `{name}`", if *is_structure { "structure" } else { "wall" }))
-        })
+        match body {
+            Some((name, _, true)) => Content::Body(format!("the structure `{name}`")),
+            Some((name, ..)) => Content::Body(format!("the wall `{name}`")),
+            None if self.shapes.iter().any(|shape| shape.contains(x)) => Content::Fluid,
+            None => Content::Nothing,
+        }
     }
 
     /// The directions in which cells have neighbours.
