@@ -1,10 +1,9 @@
 //! What the program says about each kind of mistake in a scene: messages as snapshots, reviewed by reading
 //! (`INSTA_UPDATE=always cargo test -p storegga-standard --test mistakes`, then look at `git diff tests/snapshots`).
 
-#[path = "support/program.rs"]
-mod program;
-
-use program::Folder;
+use std::fs;
+use std::path::PathBuf;
+use std::process::Command;
 
 const SCENE: &str = r#"Scene(
     title: "A small tank",
@@ -33,17 +32,35 @@ const SCENE: &str = r#"Scene(
 )
 "#;
 
+/// A folder of one test, removed at its end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let folder = std::env::temp_dir().join(format!("storegga-mistakes-{}-{name}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        Self(folder)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
 /// What `storegga check` says to a scene, its exit code first. Of a scene that can be run, the warnings.
 fn said(name: &str, scene: &str, arguments: &[&str], files: &[(&str, &str)]) -> String {
     let folder = Folder::new(name);
     for (file, text) in files.iter().chain(&[("scene.ron", scene)]) {
-        folder.write(file, text);
+        fs::write(folder.0.join(file), text).unwrap();
     }
-    let ran = folder.run(&[&["check", "scene.ron"], arguments].concat());
-    let (out, err) = (ran.out(), ran.err());
+    let mut command = Command::new(env!("CARGO_BIN_EXE_storegga"));
+    let ran = command.args(["check", "scene.ron"]).args(arguments).current_dir(&folder.0).output().unwrap();
+    let (out, err) = (String::from_utf8_lossy(&ran.stdout), String::from_utf8_lossy(&ran.stderr));
     let warnings = out.find("Warning:").map(|start| &out[start..]).unwrap_or_default();
     let said: Vec<String> = err.lines().chain(warnings.lines()).map(without_all_names).collect();
-    format!("exit code {}\n{}", ran.code().unwrap_or(-1), said.join("\n"))
+    format!("exit code {}\n{}", ran.status.code().unwrap_or(-1), said.join("\n"))
 }
 
 /// A line of a message without all but the first name of a list, which grows with every plugin.
@@ -141,6 +158,9 @@ fn ranges() {
     refused("range_nan", "yield_stress: 10.0", "yield_stress: NaN");
     refused("range_infinite", "yield_stress: 10.0", "yield_stress: inf");
     refused("range_tolerance", "Relative(0.2)", "Relative(-0.2)");
+    refused("range_density_great", "reference_density: 1500.0", "reference_density: 1e300");
+    refused("range_density_small", "reference_density: 1500.0", "reference_density: 1e-300");
+    refused("range_log", "end_time: 0.05,", "end_time: 0.05, log: (series: 1e-300),");
 }
 
 #[test]
@@ -305,6 +325,7 @@ fn files() {
     file("file_times", "t,p\n0,1\n0.02,2\n0.01,3\n");
     file("file_semicolons", "t;p\n0;1\n");
     file("file_empty", "t,p\n");
+    file("file_blank", "\n");
     file("file_late", "t,p\n0,1\n1.0,2\n");
     let shaking = "end_time: 0.05, shaking: Accelerogram(file: \"quake.csv\", time: \"t\", columns: [(name: \"ew\", direction: (1.0, 0.0))]),";
     let scene = with("end_time: 0.05,", shaking);

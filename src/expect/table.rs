@@ -25,6 +25,9 @@ impl CsvTable {
         let mut reader =
             csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(file.bytes.as_slice());
         let names: Vec<String> = reader.headers().map_err(refused)?.iter().map(str::to_owned).collect();
+        if names.iter().all(String::is_empty) {
+            return Err(Invalid::new("file", format!("{} is empty: expected a line of names", path.display())));
+        }
         if let [only] = names.as_slice()
             && only.contains(';')
         {
@@ -146,6 +149,8 @@ mod tests {
         assert!(complaint("back.csv", "t,y\n0,1\n2,1\n1,1\n", "y").contains("line 4: the time 1 s must lie after 2 s"));
         assert!(complaint("twice.csv", "t,y\n0,1\n0,1\n", "y").contains("line 3"));
         assert!(complaint("empty.csv", "t,y\n", "y").contains("no rows"));
+        assert!(complaint("nothing.csv", "", "y").contains("nothing.csv is empty"));
+        assert!(complaint("comment.csv", "# to come\n", "y").contains("comment.csv is empty"));
         assert!(complaint("names.csv", "t,height\n0,1\n", "heigth").contains("did you mean `height`?"));
     }
 

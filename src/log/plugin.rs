@@ -18,6 +18,7 @@ use super::{
 use crate::app::{End, StoreggaApp};
 use crate::boundary::{Body, Structure};
 use crate::clock::Clock;
+use crate::number::plain;
 use crate::outputs::{OutputKind, OutputTimes};
 use crate::particles::{Solid, Wall};
 use crate::phases::phases;
@@ -54,8 +55,10 @@ impl SceneSection for LogSection {
         let least = LEAST_INTERVAL * world.resource::<SceneInfo>().end_time;
         for (name, interval) in [("particles", self.particles), ("series", self.series)] {
             if let Some(interval) = interval.filter(|interval| *interval <= least) {
-                let message =
-                    format!("must be greater than {least:.1e} s (ten million outputs a run), got {interval} s");
+                let message = format!(
+                    "must be greater than {least:.1e} s (ten million outputs a run), got {} s",
+                    plain(interval)
+                );
                 return Err(Invalid::new(name, message));
             }
         }

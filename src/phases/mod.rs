@@ -34,8 +34,8 @@ pub struct PhasesSection(IndexMap<String, PhaseSpec>);
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PhaseSpec {
-    /// Reference density ρ0 (kg/m³).
-    #[schemars(extend("unit" = "kg/m³", "exclusiveMinimum" = 0.0))]
+    /// Reference density ρ0 (kg/m³), that of a gas or a liquid.
+    #[schemars(range(min = 0.001, max = 1e6), extend("unit" = "kg/m³"))]
     pub reference_density: f64,
     /// Rheology: the name of a registered one with its parameters.
     #[serde(skip_serializing)]

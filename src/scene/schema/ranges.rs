@@ -5,6 +5,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::Describe;
+use crate::number::plain;
 use crate::scene::Invalid;
 
 /// Refuses the first number of `value`, of the type that `describe` describes, that lies outside its range.
@@ -74,7 +75,7 @@ fn in_range(schema: &Value, number: f64) -> Result<(), Invalid> {
         (None, high) => format!("must be at most {}", high.unwrap_or_default()),
     };
     let unit = schema["unit"].as_str().filter(|unit| *unit != "1").unwrap_or_default();
-    Err(Invalid::new("", format!("{rule}, got {number} {unit}").trim_end()))
+    Err(Invalid::new("", format!("{rule}, got {} {unit}", plain(number)).trim_end()))
 }
 
 #[cfg(test)]
