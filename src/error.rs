@@ -1,5 +1,6 @@
 //! Errors that are the user's to mend: a wrong scene, a wrong option, a missing file.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
@@ -94,22 +95,27 @@ impl UserError {
 
     fn render_place(&self, place: &Place, kind: ReportKind<'_>, colour: bool) -> Option<String> {
         let id = place.file.as_str();
+        let Shown { text, span } = shown(&place.text, &place.span);
         let config = Config::default().with_color(colour).with_index_type(IndexType::Byte);
         let hue = if kind == ReportKind::Error { Color::Red } else { Color::Yellow };
-        let mut label = Label::new((id, place.span.clone())).with_color(hue);
+        let mut label = Label::new((id, span.clone())).with_color(hue);
         if !place.label.is_empty() {
             label = label.with_message(&place.label);
         }
-        let mut report = Report::build(kind, (id, place.span.clone()))
-            .with_config(config)
-            .with_message(&self.message)
-            .with_label(label);
+        let mut report =
+            Report::build(kind, (id, span.clone())).with_config(config).with_message(&self.message).with_label(label);
         if let Some(help) = &self.help {
             report.set_help(help);
         }
         let mut bytes = Vec::new();
-        report.finish().write((id, Source::from(&*place.text)), &mut bytes).ok()?;
-        String::from_utf8(bytes).ok()
+        report.finish().write((id, Source::from(&*text)), &mut bytes).ok()?;
+        // The place is that in the file, not in what is shown of it.
+        let named = |place: &Place| {
+            let (line, column) = place.line_column();
+            format!("{id}:{line}:{column}")
+        };
+        let of_shown = named(&Place { text: text.as_ref().into(), span, ..place.clone() });
+        String::from_utf8(bytes).ok().map(|report| report.replacen(&of_shown, &named(place), 1))
     }
 
     fn render_plain(&self, kind: ReportKind<'_>, colour: bool) -> String {
@@ -117,6 +123,45 @@ impl UserError {
         let help = self.help.as_ref().map(|help| format!("  Help: {help}\n")).unwrap_or_default();
         format!("{red}{kind}:{off} {self}\n{help}")
     }
+}
+
+/// Letters of a line that are shown on each side of where the error begins; a longer line is cut.
+const MOST_SHOWN: usize = 200;
+
+/// What is shown of a text.
+struct Shown<'a> {
+    text: Cow<'a, str>,
+    span: Range<usize>,
+}
+
+/// The text without control characters, which the terminal would obey, and with what is far off in the line of `span` left out.
+fn shown<'a>(text: &'a str, span: &Range<usize>) -> Shown<'a> {
+    let start = text.floor_char_boundary(span.start);
+    let line_start = text[..start].rfind('\n').map_or(0, |newline| newline + 1);
+    let line_end = text[start..].find('\n').map_or(text.len(), |length| start + length);
+    let (from, to) = (start.saturating_sub(MOST_SHOWN).max(line_start), (start + MOST_SHOWN).min(line_end));
+    let (from, to) = (text.floor_char_boundary(from), text.floor_char_boundary(to));
+    let is_long = line_end - line_start > 2 * MOST_SHOWN;
+    let (text, span) = if is_long {
+        let before = if from > line_start { "…" } else { "" };
+        let after = if to < line_end { "…" } else { "" };
+        let shown = format!("{}{before}{}{after}{}", &text[..line_start], &text[from..to], &text[line_end..]);
+        let shift = |byte: usize| byte.min(to) - from + line_start + before.len();
+        (Cow::Owned(shown), shift(start)..shift(span.end.max(start)))
+    } else {
+        (Cow::Borrowed(text), span.clone())
+    };
+    let obeyed = |letter: char| letter.is_control() && !matches!(letter, '\n' | '\r' | '\t');
+    if !text.contains(obeyed) {
+        return Shown { text, span };
+    }
+    // As many bytes as before, so that the span stays right.
+    let harmless = |letter: char| match letter.len_utf8() {
+        1 if obeyed(letter) => '?',
+        _ if obeyed(letter) => '¿',
+        _ => letter,
+    };
+    Shown { text: Cow::Owned(text.chars().map(harmless).collect()), span }
 }
 
 impl fmt::Display for UserError {
@@ -171,6 +216,26 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn of_a_long_line_the_part_around_the_error_is_shown_and_its_place_is_that_in_the_file() {
+        let line = format!("title: \"{}\", wrong: x, then: \"{}\"", "ø".repeat(500_000), "y".repeat(1_000_000));
+        let text = format!("(\n{line}\n)");
+        let start = text.find("wrong").unwrap_or_default();
+        let shown = at(&text, start..start + 5).render(false);
+        assert!(shown.len() < 3000, "{} bytes", shown.len());
+        for part in ["a.ron:2:500012", "øø\", wrong: x, then: \"yy", "a number", "…"] {
+            assert!(shown.contains(part), "{part} not in\n{shown}");
+        }
+        let endless = at(&text, start..text.len()).render(false);
+        assert!(endless.len() < 4000 && endless.contains("a.ron:2:500012"), "{endless}");
+    }
+
+    #[test]
+    fn the_terminal_does_not_obey_what_stands_in_a_scene() {
+        let shown = at("(title: \"\u{1b}[31m\u{9b}2J\u{7}\", x: y)", 23..24).render(false);
+        assert!(!shown.chars().any(|letter| letter.is_control() && letter != '\n'), "{shown:?}");
     }
 
     #[test]
