@@ -85,7 +85,8 @@ fn a_file_of_the_scene_may_change_while_a_run_goes_on_but_not_for_its_resume() {
     let edited = shaking.replace("2.0", "3.0");
     for change in [Some(edited.as_str()), None] {
         folder.clear();
-        let child = folder.start_and_wait(&[&RUN[..], &["--set", "end_time=1000.0"]].concat());
+        // Long enough for what follows, and short enough to end if the resume below is not refused.
+        let child = folder.start_and_wait(&[&RUN[..], &["--set", "end_time=5.0"]].concat());
         match change {
             Some(edited) => fs::write(&quake, edited).unwrap(),
             None => fs::remove_file(&quake).unwrap(),
