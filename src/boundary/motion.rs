@@ -180,7 +180,7 @@ impl Motion {
     }
 
     /// Greatest speed (m/s) up to `end_time` (s) of any point in the box from `low` to `high` (m), which moves along: the
-    /// greatest of its corners at the [`telling_times`](Self::telling_times).
+    /// greatest of its corners at the times that tell.
     #[must_use]
     pub fn greatest_speed(&self, bounds: (DVec3, DVec3), end_time: f64) -> f64 {
         let times = self.telling_times().into_iter().filter(|t| (0.0..=end_time).contains(t)).chain([end_time]);
@@ -189,7 +189,7 @@ impl Motion {
     }
 
     /// Times (s) among which the body is fastest. Between two rows of a table d' and θ' are parabolas: each is greatest at a row or
-    /// at its vertex, and where several add up, the 64 times besides miss less than a thousandth.
+    /// at its vertex, and where several add up, the times besides, 64 for each radian turned and at least 64, miss less than a thousandth.
     fn telling_times(&self) -> Vec<f64> {
         match self {
             Self::Still => Vec::new(),
@@ -226,10 +226,14 @@ impl Motion {
     }
 }
 
+/// Angle (rad) between two rows up to which it counts in how finely the time between them is looked at.
+const MOST_TURNED: f64 = 1e4;
+
 /// Times (s) between the rows k and k + 1 of a table: evenly spread ones, and the vertices of d' and θ', where d'' and θ'', which
 /// are straight lines, pass 0.
 fn times_of_piece(rows: &[TableRow], k: usize) -> Vec<f64> {
-    const PARTS: u32 = 64;
+    let turned = (rows[k + 1].angle - rows[k].angle).abs();
+    let parts = (64.0 * turned.clamp(1.0, MOST_TURNED)).ceil() as u32;
     let (start, dt) = (rows[k].time, rows[k + 1].time - rows[k].time);
     let seconds = |s: f64| {
         let ([.., d], [.., angle]) = table_at(rows, start + s * dt);
@@ -238,7 +242,7 @@ fn times_of_piece(rows: &[TableRow], k: usize) -> Vec<f64> {
     // Within the piece: at its ends the second derivatives jump.
     let (low, high) = (seconds(0.25), seconds(0.75));
     let vertices = low.into_iter().zip(high).map(|(low, high)| 0.25 + 0.5 * low / (low - high));
-    let even = (0..PARTS).map(|part| f64::from(part) / f64::from(PARTS));
+    let even = (0..parts).map(|part| f64::from(part) / f64::from(parts));
     even.chain(vertices.filter(|s| (0.0..1.0).contains(s))).map(|s| start + s * dt).collect()
 }
 

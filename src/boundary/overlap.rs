@@ -97,9 +97,11 @@ impl EarlierWalls {
 
     /// The wall that has `x` (m) in its lining, or a ghost next to it, as in corners beyond the lining's depth.
     fn lined_by(&self, x: DVec3) -> Option<usize> {
+        // Beyond a periodic side a container has no ghosts: what is there continues on the other side.
+        let x = self.periodic.wrap(x);
         let (surface, floor) = (-WALL_CLEARANCE * self.spacing, -self.depth);
         let in_lining = |wall: &Earlier| (floor..surface).contains(&wall.shape.clearance_through(&self.periodic, x));
-        self.walls.iter().position(in_lining).or_else(|| self.beside(self.periodic.wrap(x)))
+        self.walls.iter().position(in_lining).or_else(|| self.beside(x))
     }
 
     /// The wall of the first ghost nearer than [`LEAST_GAP`] spacings to `x` (m).

@@ -72,6 +72,18 @@ fn what_walls_leave_to_the_fluid_keeps_the_ghosts_of_others() {
     assert_eq!(inside.count(), 16, "4 by 4 cells of 0.05 m");
 }
 
+/// A block across a periodic side, on the floor of a channel: the half beyond the side is filled as the one within.
+#[test]
+fn a_block_across_a_periodic_side_is_whole() {
+    let block = r#""block": (shape: Box(min: (-0.2, 0.0), max: (0.2, 0.2)), fluid: Outside),"#;
+    for (before, after) in [(block, ""), ("", block)] {
+        let scene = composed(2, before, after).replace("dimension: 2,", "dimension: 2, periodic: (x: (0.0, 1.0)),");
+        let mut app = app(&scene, &["fluids.0.shape=Box(min: (0.0, 0.25), max: (1.0, 0.5))"]);
+        let inside = ghosts(app.world_mut()).into_iter().filter(|x| x.y > 0.0 && x.y < 0.2);
+        assert_eq!(inside.filter(|x| x.x < 0.2 || x.x > 0.8 || x.x < 0.0).count(), 32, "8 by 4 cells of 0.05 m");
+    }
+}
+
 #[test]
 fn walls_that_part_must_not_overlap() {
     let moving = floor(2, 0.0).replace("Outside", "Outside, motion: Translation(velocity: (0.0, -0.1))");
