@@ -143,6 +143,13 @@ pub(super) struct Refusal {
     help: Option<&'static str>,
 }
 
+impl Refusal {
+    /// Whether it is whole, as far as can be told, and of another version of the program.
+    pub(super) fn is_of_another_version(&self) -> bool {
+        self.help.is_some()
+    }
+}
+
 impl From<&str> for Refusal {
     fn from(what: &str) -> Self {
         Self { what: what.to_owned(), help: None }
@@ -239,6 +246,7 @@ mod tests {
             assert!(!refusal(&damaged).is_empty(), "bit {bit}");
         }
         assert!(refusal(&[&whole[..], b"x"].concat()).contains("damaged"));
+        assert!(Checkpoint::parse(&whole[1..]).is_err_and(|refused| !refused.is_of_another_version()));
     }
 
     #[test]
@@ -249,7 +257,9 @@ mod tests {
             let crc = checksum(format, &bytes[HEAD..]);
             bytes[8..12].copy_from_slice(&format.to_le_bytes());
             bytes[20..24].copy_from_slice(&crc.to_le_bytes());
-            refusal(&bytes)
+            let refused = Checkpoint::parse(&bytes).expect_err("it is refused");
+            assert!(refused.is_of_another_version());
+            refused.what
         };
         let later = resealed(|_| FORMAT + 1);
         assert!(later.contains(&format!("format {}", FORMAT + 1)), "{later}");

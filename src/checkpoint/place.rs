@@ -39,9 +39,14 @@ pub fn refuse_to_overwrite(path: &Path, log: &Path) -> Result<(), UserError> {
             "is the checkpoint of a run that writes {}: it would be lost",
             old.about.origin.log.display()
         )),
+        Err(why) if why.is_of_another_version() => refused(OF_ANOTHER_VERSION),
         _ => Ok(()),
     }
 }
+
+/// What cannot be told whether it is of a run that has ended.
+const OF_ANOTHER_VERSION: &str =
+    "is a checkpoint of another version of the program, of a run that may not have ended: it would be lost";
 
 impl Checkpoint {
     /// Whether it is of the run that wrote `log`, a file in the same folder.
@@ -54,10 +59,17 @@ impl Checkpoint {
 /// can go on. Returns what to tell the user then.
 ///
 /// # Errors
-/// It cannot be put out of the way.
+/// It cannot be put out of the way, or is of another version of the program.
 pub fn keep_unfinished(log: &Path) -> Result<Option<String>, UserError> {
     let path = checkpoint_of(log);
-    let Ok(mut old) = Checkpoint::read(&path) else { return Ok(None) };
+    let mut old = match fs::read(&path).map(|bytes| Checkpoint::parse(&bytes)) {
+        Ok(Ok(old)) => old,
+        Ok(Err(why)) if why.is_of_another_version() && log.is_file() => {
+            let message = format!("{} {OF_ANOTHER_VERSION}", path.display());
+            return Err(UserError::plain(message).help("choose another log with --out, or remove the checkpoint"));
+        }
+        _ => return Ok(None),
+    };
     let (time, end_time) = (old.about.time, old.about.end_time);
     let can_go_on = old.about.step > 0 && !old.about.is_done && old.is_of(log) && log.is_file();
     // A log that is still written is refused when it is opened.
