@@ -139,6 +139,8 @@ fn shown<'a>(text: &'a str, span: &Range<usize>) -> Shown<'a> {
     let start = text.floor_char_boundary(span.start);
     let line_start = text[..start].rfind('\n').map_or(0, |newline| newline + 1);
     let line_end = text[start..].find('\n').map_or(text.len(), |length| start + length);
+    // A span over several lines is shown by its first one, whatever the others are like.
+    let span = &(span.start..span.end.min(line_end.max(start)));
     let (from, to) = (start.saturating_sub(MOST_SHOWN).max(line_start), (start + MOST_SHOWN).min(line_end));
     let (from, to) = (text.floor_char_boundary(from), text.floor_char_boundary(to));
     let is_long = line_end - line_start > 2 * MOST_SHOWN;
@@ -190,6 +192,13 @@ mod tests {
         assert_eq!(at("(\né: \"ø\" x)", 11..12).to_string(), "a.ron:2:8: wrong");
         assert_eq!(at("abc", 0..1).to_string(), "a.ron:1:1: wrong");
         assert_eq!(UserError::plain("no such file").to_string(), "no such file");
+    }
+
+    #[test]
+    fn a_span_over_several_lines_is_shown_by_its_first() {
+        let text = format!("(\n  a: (\n  b: \"{}\"),\n)", "x".repeat(1_000_000));
+        let shown = at(&text, 7..text.len() - 2).render(false);
+        assert!(shown.contains("a.ron:2:6") && shown.len() < 2000, "{} bytes", shown.len());
     }
 
     #[test]
