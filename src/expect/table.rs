@@ -26,7 +26,8 @@ impl CsvTable {
             csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(file.bytes.as_slice());
         let names: Vec<String> = reader.headers().map_err(refused)?.iter().map(str::to_owned).collect();
         if names.iter().all(String::is_empty) {
-            return Err(Invalid::new("file", format!("{} is empty: expected a line of names", path.display())));
+            let what = if names.len() > 1 { "has no names in its first line" } else { "is empty" };
+            return Err(Invalid::new("file", format!("{} {what}: expected a line of names", path.display())));
         }
         if let [only] = names.as_slice()
             && only.contains(';')

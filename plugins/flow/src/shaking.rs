@@ -117,7 +117,9 @@ fn covers_run(table: &CsvTable, end_time: f64) -> Result<(), Invalid> {
         rows => {
             let at = |row: Option<&(f64, f64)>| row.map_or(0.0, |(time, _)| *time);
             let (first, last) = (at(rows.first()), at(rows.last()));
-            let message = format!("its rows from {first} s to {last} s shake nothing in the run, 0 to {end_time} s");
+            let message = format!(
+                "its rows from {first} s to {last} s shake nothing in the run of the scene, which ends at {end_time} s"
+            );
             Err(Invalid::new("file", message))
         }
     }
