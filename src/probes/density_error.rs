@@ -21,6 +21,8 @@ pub struct DensityError {
     bounds: (DVec3, DVec3),
     #[serde(skip)]
     bodies: Vec<(BodyShape, Motion)>,
+    #[serde(skip)]
+    moved: Vec<Option<Kinematics>>,
 }
 
 /// Depth (in spacings) in a body below which a particle counts as inside.
@@ -50,8 +52,9 @@ impl Probe for DensityError {
     fn measure(&mut self, state: &State<'_>, row: &mut [f64]) {
         let fluid = &state.fluid;
         let (mut greatest, mut sum, mut lost, mut inside): (f64, f64, u32, u32) = (0.0, 0.0, 0, 0);
-        let moved: Vec<_> = self.bodies.iter().map(|(body, motion)| (body, motion.at(state.clock.time))).collect();
-        let clearance = |(body, moved): &(&BodyShape, Option<Kinematics>), x: DVec3| {
+        self.moved.clear();
+        self.moved.extend(self.bodies.iter().map(|(_, motion)| motion.at(state.clock.time)));
+        let clearance = |body: &BodyShape, moved: &Option<Kinematics>, x: DVec3| {
             let at_rest = moved.map_or(x, |moved| state.periodic.wrap(moved.rest_of(x)));
             body.clearance_through(state.periodic, at_rest)
         };
@@ -62,7 +65,8 @@ impl Probe for DensityError {
             sum += compression * compression;
             let x = state.periodic.wrap(fluid.position[i].0);
             lost += u32::from(x.clamp(self.bounds.0, self.bounds.1) != x);
-            inside += u32::from(moved.iter().any(|body| clearance(body, x) < -depth));
+            let mut bodies = self.bodies.iter().zip(&self.moved);
+            inside += u32::from(bodies.any(|((body, _), moved)| clearance(body, moved, x) < -depth));
         }
         let rms = (sum / fluid.rows().len() as f64).sqrt();
         row.copy_from_slice(&[greatest, rms, f64::from(lost), f64::from(inside)]);
