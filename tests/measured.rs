@@ -1,5 +1,5 @@
 //! The measured figures that scenes compare with, against the files they were taken from: those in the folder that the
-//! environment variable `STOREGGA_DATA` names. Without it nothing is compared, and the test says so.
+//! environment variable `STOREGGA_DATA` names. Without it nothing is compared, and the test says so (`-- --nocapture` shows it).
 
 use std::fs;
 use std::path::Path;
@@ -68,9 +68,9 @@ fn figures_in_scenes_are_those_that_were_measured() {
         assert!((quoted / measured - 1.0).abs() < 0.003, "{name}: {quoted} s, {file}: {measured} s");
         assert!(scene(name).contains(&format!("Number({seconds})")), "{name} compares with {seconds} s");
     }
-    for row in rows(folder, "cylinder_schafer_turek_2d1_2d2.csv").iter().filter(|row| row[0] == "2D-1") {
-        if ["cD", "cL"].contains(&row[2].as_str()) {
-            assert!(scene("cylinder_drag").contains(&format!("Number({})", row[3])), "{row:?}");
-        }
+    let coefficients = rows(folder, "cylinder_schafer_turek_2d1_2d2.csv");
+    for name in ["cD", "cL"] {
+        let row = coefficients.iter().find(|row| row[0] == "2D-1" && row[2] == name).expect("the coefficient");
+        assert!(scene("cylinder_drag").contains(&format!("Number({})", row[3])), "{row:?}");
     }
 }
