@@ -8,7 +8,7 @@
 //! `E(t) − E(0) = W_walls + W_body + W_damping + W_viscous + W_impact + W_diffusion + W_resets + W_ghosts + W_volumes + R`
 //!
 //! where each W (J; J/m in 2D) is work done *on* the fluid, found from its own forces, and R, the residual, is what is
-//! left: with all pair forces accounted for, the error of the integration in time, of second order in Δt.
+//! left: with all pair forces accounted for, the error of the integration in time, of second order in Δt where the flow is smooth.
 //!
 //! **Kicks.** A half-kick of length τ takes v to v + τ a and changes K by exactly `τ Σ m a·(v + ½τ a)`. So the force
 //! `F_i` of any one kind does the work `τ (P + ½τ Q)` in it, `P = Σ F_i·v_i`, `Q = Σ F_i·a_i`. The forces of one

@@ -5,7 +5,7 @@
 //!
 //! Velocities are those of the middle of the drift, so r_ij and ∇_iW_ij are taken there too: `r_ij − ½Δt v_ij`, r_ij that of the
 //! end. Over the step |r_ij|² changes by exactly `2 Δt v_ij·(r_ij − ½Δt v_ij)`. (With r_ij of the end a rotation with the
-//! rate ω would thin the fluid: `dρ/dt = −d/2 Δt ω² ρ`, d = 2 or 3; and what the pressure force does would match what
+//! rate ω would thin the fluid: `dρ/dt = −Δt ω² ρ`; and what the pressure force does would match what
 //! the density takes up to first order in Δt only.)
 
 use bevy_ecs::prelude::*;
