@@ -194,7 +194,7 @@ mod tests {
     fn about() -> About {
         About {
             origin: Origin {
-                folder: "/work".into(),
+                folder: "/home/ann".into(),
                 scene: "tank.ron".into(),
                 overrides: vec!["spacing=0.1".to_owned()],
                 until: None,
