@@ -22,6 +22,8 @@ mod rheologies;
 mod settling;
 mod slip;
 mod state;
+#[path = "../support/steps.rs"]
+mod steps;
 mod support;
 mod time_step;
 mod twin;

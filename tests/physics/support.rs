@@ -3,13 +3,15 @@
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 use glam::DVec3;
-use storegga::app::{End, PaperPlugins, StopFlag, open, run};
+use storegga::app::{PaperPlugins, open};
 use storegga::clock::Clock;
 use storegga::neighbours::Neighbours;
 use storegga::particles::{Density, Fluid, Mass, Position, ReferenceDensity, Velocity};
 use storegga::physics::EquationOfState;
 use storegga::scene::{Document, Resolution};
 use storegga::schedule::Step;
+
+pub use crate::steps::advance;
 
 /// The scene `text` with overrides, at its start.
 pub fn app(text: &str, overrides: &[&str]) -> App {
@@ -30,19 +32,6 @@ pub fn refusal(text: &str, overrides: &[&str]) -> String {
         Ok(_) => panic!("{overrides:?} was accepted"),
         Err(error) => error.render(false),
     }
-}
-
-/// Runs `steps` steps.
-pub fn advance(world: &mut World, steps: u64) {
-    let last = world.resource::<Clock>().step + steps;
-    let stop = StopFlag::default();
-    let watched = stop.clone();
-    let end = run(world, f64::INFINITY, &stop, |clock| {
-        if clock.step >= last {
-            watched.stop();
-        }
-    });
-    assert_eq!(end, End::Interrupted);
 }
 
 /// Recomputes everything that depends on positions and velocities, without letting time pass.

@@ -11,6 +11,8 @@ mod refusals;
 #[path = "../support/shipped.rs"]
 mod shipped;
 mod states;
+#[path = "../support/steps.rs"]
+mod steps;
 mod stopped;
 mod stream;
 

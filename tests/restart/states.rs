@@ -1,26 +1,12 @@
 //! State that is saved and restored within a process.
 
-use bevy_ecs::prelude::*;
-use storegga::app::{End, StopFlag, open, run};
+use storegga::app::open;
 use storegga::checkpoint::{check_state, restore_state, save_state};
-use storegga::clock::Clock;
 use storegga::scene::open_document;
 use storegga_standard::StandardPlugins;
 
 use crate::shipped;
-
-/// Runs so many steps.
-fn advance(world: &mut World, steps: u64) {
-    let last = world.resource::<Clock>().step + steps;
-    let stop = StopFlag::default();
-    let watched = stop.clone();
-    let end = run(world, f64::INFINITY, &stop, |clock| {
-        if clock.step >= last {
-            watched.stop();
-        }
-    });
-    assert_eq!(end, End::Interrupted);
-}
+use crate::steps::advance;
 
 /// Whatever a plugin that is shipped brings, some scene has it.
 #[test]
