@@ -146,7 +146,7 @@ impl<const D: usize> Pair<D> {
     }
 }
 
-/// Calls `term(neighbour, pair)` for every pair of `own`; the only place that forms r_ij.
+/// Calls `term(neighbour, pair)` for every pair of `own`: sweeps form r_ij, pair terms are given it.
 #[inline(always)]
 pub fn sum_pairs<const D: usize, T>(
     own: &Gathered<D, T>,
