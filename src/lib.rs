@@ -39,6 +39,7 @@ pub mod error;
 pub mod expect;
 mod failure;
 pub mod kernels;
+pub mod lanes;
 pub mod log;
 pub mod neighbours;
 mod number;

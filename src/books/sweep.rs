@@ -5,30 +5,38 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::sums::{BLOCK, BodySums, Kind, PairForces, Worksheet, sum};
-use crate::neighbours::{Neighbours, sum_pairs};
-use crate::particles::{Fluid, Gather, Gathered, Solid, Vector, Wall, WallVelocity, columns};
+use crate::kernels::SmoothingKernel;
+use crate::lanes::fields;
+use crate::neighbours::{Neighbours, sum_near};
+use crate::particles::{Fluid, Gather, Gathered, Records, Solid, Vector, Wall, WallVelocity, columns};
 use crate::physics::{
-    FluidColumns, FluidState, GhostColumns, GhostState, ImpactPressure, Momentum, MomentumSettings, PairTerms,
-    PressureAverage, ViscousForce, with_forms,
+    FluidColumns, FluidState, GhostColumns, GhostState, ImpactPressure, Momentum, MomentumSettings, PressureAverage,
+    ViscousForce, impact_force, mean_viscosity, pair_forces as forces_of, with_forms,
 };
 
-/// What the books need of a particle.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Account<const D: usize> {
-    momentum: Momentum<D>,
-    /// v_w of a ghost.
-    wall_velocity: Vector<D>,
-    is_structure: bool,
+fields! {
+    /// What the books need of a particle.
+    pub(super) struct Account<D> {
+        momentum: Momentum<D>,
+        /// v_w of a ghost.
+        wall_velocity: Vector<D>,
+        /// One of [`FLUID`], [`WALL`], [`STRUCTURE`].
+        table: f64,
+    }
 }
+
+const FLUID: f64 = 0.0;
+const WALL: f64 = 1.0;
+const STRUCTURE: f64 = 2.0;
 
 /// The records of walls or of structures.
 fn ghosts<'a, const D: usize>(
-    is_structure: bool,
+    table: f64,
     ((x, v, volume, rho, p, slip), v_w): (GhostColumns<'a>, &'a [WallVelocity]),
 ) -> impl Fn(usize) -> Gathered<D, Account<D>> + Sync + Send + use<'a, D> {
     move |b: usize| {
         let momentum = Momentum::ghost(v[b], volume[b], rho[b], p[b], slip[b]);
-        let state = Account { momentum, wall_velocity: v_w[b].0.into(), is_structure };
+        let state = Account { momentum, wall_velocity: v_w[b].0.into(), table };
         Gathered { position: x[b].0.into(), state }
     }
 }
@@ -36,6 +44,7 @@ fn ghosts<'a, const D: usize>(
 /// Adds up the pair forces on every fluid particle, kind by kind.
 pub(super) fn pair_forces<const D: usize>(
     settings: Res<MomentumSettings>,
+    kernel: Res<SmoothingKernel>,
     neighbours: Res<Neighbours>,
     mut gather: Local<Gather<D, Account<D>>>,
     mut sheet: ResMut<Worksheet>,
@@ -43,11 +52,11 @@ pub(super) fn pair_forces<const D: usize>(
     walls: Query<(GhostState, &WallVelocity), With<Wall>>,
     structures: Query<(GhostState, &WallVelocity), With<Solid>>,
 ) {
-    let (walls, structures) = (ghosts(false, columns(&walls)), ghosts(true, columns(&structures)));
+    let (walls, structures) = (ghosts(WALL, columns(&walls)), ghosts(STRUCTURE, columns(&structures)));
     let (x, v, m, rho, p, mu, impact): FluidColumns<'_> = columns(&fluid);
     let own = |i: usize| {
         let momentum = Momentum::fluid(v[i], m[i], rho[i], p[i], mu[i]);
-        let state = Account { momentum, wall_velocity: Vector::ZERO, is_structure: false };
+        let state = Account { momentum, wall_velocity: Vector::ZERO, table: FLUID };
         Gathered { position: x[i].0.into(), state }
     };
     let records = gather.fill(&neighbours.rows, own, walls, structures);
@@ -55,13 +64,14 @@ pub(super) fn pair_forces<const D: usize>(
     sheet.forces.resize(x.len(), PairForces::default());
     sheet.body_blocks.resize(x.len().div_ceil(BLOCK), BodySums::default());
     let out = (&mut sheet.forces[..], &mut sheet.body_blocks[..]);
-    with_forms!(settings, tell_apart::<D>(&neighbours, records, impact, out));
+    with_forms!(settings, tell_apart::<D>(&neighbours, &kernel, records, impact, out));
     sheet.bodies = sum(sheet.body_blocks.iter().copied());
 }
 
 fn tell_apart<const D: usize, P: PressureAverage, V: ViscousForce>(
     neighbours: &Neighbours,
-    records: &[Gathered<D, Account<D>>],
+    kernel: &SmoothingKernel,
+    records: Records<'_, D, Account<D>>,
     impact: &[ImpactPressure],
     (forces, blocks): (&mut [PairForces], &mut [BodySums]),
 ) {
@@ -69,22 +79,23 @@ fn tell_apart<const D: usize, P: PressureAverage, V: ViscousForce>(
         *bodies = BodySums::default();
         for (k, out) in forces.iter_mut().enumerate() {
             let row = b * BLOCK + k;
-            let (own, impact) = (&records[row], impact[row].0);
+            let (own, impact) = (&records.get(row), impact[row].0);
             let i = &own.state.momentum;
             let mut sums = ForceSums::<D>::default();
-            sum_pairs(own, neighbours.fluid.of(row), records, |other, pair| {
+            sum_near(own, neighbours.fluid.of(row), records, &*kernel.0, |other, pair| {
                 let j = &other.momentum;
-                let mu_ij = j.viscosity.mean_with(i.viscosity.own());
-                let (pressure, viscous) = PairTerms::of::<D, P, V>(mu_ij, 0.0, i, j, pair);
+                let is_ghost = other.table != FLUID;
+                let mu_ij = if is_ghost { i.viscosity * j.viscosity } else { mean_viscosity(i.viscosity, j.viscosity) };
+                let (pressure, viscous) = forces_of::<D, f64, P, V>(mu_ij, i, j, pair);
                 let compression_of_i = i.pressure * i.volume * j.volume;
                 sums.viscous += viscous;
-                if !j.viscosity.is_ghost() {
+                if !is_ghost {
                     let compression = compression_of_i + j.pressure * i.volume * j.volume;
                     sums.all += pressure + viscous;
                     sums.volumes += pressure + pair.grad_w() * compression;
                     return;
                 }
-                let impact = pair.grad_w() * -(impact * (i.volume * i.volume + j.volume * j.volume));
+                let impact = impact_force(impact, i, j, pair);
                 let ghost = pressure + pair.grad_w() * compression_of_i;
                 let force = pressure + viscous + impact;
                 sums.all += force;
@@ -138,7 +149,7 @@ impl BodySums {
         self.of_kind[Kind::Viscous as usize] += viscous.dot(v_w);
         self.of_kind[Kind::Impact as usize] += impact.dot(v_w);
         self.of_kind[Kind::Ghosts as usize] += ghost.dot(v_w);
-        let sum = if body.is_structure { &mut self.structures } else { &mut self.walls };
+        let sum = if body.table == STRUCTURE { &mut self.structures } else { &mut self.walls };
         *sum += DVec3::from(force);
     }
 }

@@ -15,12 +15,12 @@ use serde::{Deserialize, Serialize};
 use super::Body;
 use crate::neighbours::{Neighbours, sum_pairs};
 use crate::particles::{
-    BodyIndex, Fluid, ForceOnParticle, GRAIN, Gather, Gathered, PIECE, PeriodShift, Position, Pressure, Solid, Vector,
-    columns,
+    BodyIndex, Fluid, ForceOnParticle, GRAIN, Gather, Gathered, PIECE, PeriodShift, Position, Pressure, Records, Solid,
+    Vector, columns,
 };
 use crate::physics::{
-    EquationOfState, FluidColumns, FluidState, GhostState, Momentum, MomentumSettings, PairTerms, PressureAverage,
-    ViscousForce, with_forms,
+    Contact, EquationOfState, FluidColumns, FluidState, GhostState, Momentum, MomentumSettings, PressureAverage,
+    ViscousForce, impact_force, pair_forces, with_forms,
 };
 
 /// Marks a body as a structure, and says how its load is reported.
@@ -64,14 +64,6 @@ impl Load {
     }
 }
 
-/// What the force between a structure and the fluid needs of a particle.
-#[derive(Debug, Clone, Copy)]
-pub struct Contact<const D: usize> {
-    momentum: Momentum<D>,
-    /// p^w (Pa) of a fluid particle.
-    impact: f64,
-}
-
 /// Computes the force on every solid particle.
 pub fn force_on_particles<const D: usize>(
     settings: Res<MomentumSettings>,
@@ -103,19 +95,19 @@ pub fn force_on_particles<const D: usize>(
 
 fn sum_forces<const D: usize, P: PressureAverage, V: ViscousForce>(
     neighbours: &Neighbours,
-    records: &[Gathered<D, Contact<D>>],
+    records: Records<'_, D, Contact<D>>,
     out: &mut [ForceOnParticle],
 ) {
     let first = neighbours.rows.fluid + neighbours.rows.walls;
     out.par_iter_mut().with_min_len(GRAIN).with_max_len(PIECE).enumerate().for_each(|(s, force)| {
-        let own = &records[first + s];
+        let own = &records.get(first + s);
         let solid = &own.state.momentum;
         let (mut pressure_force, mut viscous_force) = (Vector::ZERO, Vector::ZERO);
         sum_pairs(own, neighbours.structures.of(s), records, |other, pair| {
             let fluid = &other.momentum;
-            let mu_sf = solid.viscosity.mean_with(fluid.viscosity.own());
-            let (pressure, viscous) = PairTerms::of::<D, P, V>(mu_sf, other.impact, solid, fluid, pair);
-            pressure_force += pressure;
+            let mu_sf = solid.viscosity * fluid.viscosity;
+            let (pressure, viscous) = pair_forces::<D, f64, P, V>(mu_sf, solid, fluid, pair);
+            pressure_force += pressure + impact_force(other.impact, solid, fluid, pair);
             viscous_force += viscous;
         });
         *force = ForceOnParticle { pressure: pressure_force.into(), viscous: viscous_force.into() };

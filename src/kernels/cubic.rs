@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use schemars::JsonSchema;
 
-use super::Kernel;
+use super::{Kernel, positive_part};
 
 /// Cubic spline M₄ (Schoenberg 1946; in SPH: Monaghan & Lattanzio 1985), support 2h:
 ///
@@ -29,13 +29,13 @@ impl Kernel for CubicSpline {
 
     #[inline(always)]
     fn w(&self, q: f64) -> f64 {
-        let (a, b) = ((2.0 - q).max(0.0), (1.0 - q).max(0.0));
+        let (a, b) = (positive_part(2.0 - q), positive_part(1.0 - q));
         0.25 * (a * a * a) - b * b * b
     }
 
     #[inline(always)]
     fn dw_dq(&self, q: f64) -> f64 {
-        let (a, b) = ((2.0 - q).max(0.0), (1.0 - q).max(0.0));
+        let (a, b) = (positive_part(2.0 - q), positive_part(1.0 - q));
         -0.75 * (a * a) + 3.0 * (b * b)
     }
 }

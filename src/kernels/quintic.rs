@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use schemars::JsonSchema;
 
-use super::Kernel;
+use super::{Kernel, positive_part};
 
 /// Quintic spline (Eq. 4; Morris 1996), support 3h:
 ///
@@ -30,14 +30,14 @@ impl Kernel for QuinticSpline {
 
     #[inline(always)]
     fn w(&self, q: f64) -> f64 {
-        let (a, b, c) = ((3.0 - q).max(0.0), (2.0 - q).max(0.0), (1.0 - q).max(0.0));
+        let (a, b, c) = (positive_part(3.0 - q), positive_part(2.0 - q), positive_part(1.0 - q));
         let (a2, b2, c2) = (a * a, b * b, c * c);
         a2 * a2 * a - 6.0 * (b2 * b2 * b) + 15.0 * (c2 * c2 * c)
     }
 
     #[inline(always)]
     fn dw_dq(&self, q: f64) -> f64 {
-        let (a, b, c) = ((3.0 - q).max(0.0), (2.0 - q).max(0.0), (1.0 - q).max(0.0));
+        let (a, b, c) = (positive_part(3.0 - q), positive_part(2.0 - q), positive_part(1.0 - q));
         let (a2, b2, c2) = (a * a, b * b, c * c);
         -5.0 * (a2 * a2 - 6.0 * (b2 * b2) + 15.0 * (c2 * c2))
     }

@@ -72,7 +72,8 @@ impl<K: Kernel> PairKernel for Scaled<K> {
             #[inline(always)]
             || {
                 for x in squared_distances {
-                    let q = (x.sqrt() * inverse_h).max(COINCIDENT);
+                    let q = x.sqrt() * inverse_h;
+                    let q = if q > COINCIDENT { q } else { COINCIDENT };
                     *x = self.gradient_scale * self.kernel.dw_dq(q) / q;
                 }
             },

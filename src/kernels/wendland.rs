@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use schemars::JsonSchema;
 
-use super::Kernel;
+use super::{Kernel, positive_part};
 
 /// Wendland C2 (Wendland 1995; in SPH: Dehnen & Aly 2012), support 2h:
 ///
@@ -28,14 +28,14 @@ impl Kernel for WendlandC2 {
 
     #[inline(always)]
     fn w(&self, q: f64) -> f64 {
-        let a = (1.0 - 0.5 * q).max(0.0);
+        let a = positive_part(1.0 - 0.5 * q);
         let a2 = a * a;
         a2 * a2 * (1.0 + 2.0 * q)
     }
 
     #[inline(always)]
     fn dw_dq(&self, q: f64) -> f64 {
-        let a = (1.0 - 0.5 * q).max(0.0);
+        let a = positive_part(1.0 - 0.5 * q);
         -5.0 * q * (a * a * a)
     }
 }

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use schemars::JsonSchema;
 
-use super::Kernel;
+use super::{Kernel, positive_part};
 
 /// Wendland C4 (Wendland 1995; in SPH: Dehnen & Aly 2012), support 2h:
 ///
@@ -28,14 +28,14 @@ impl Kernel for WendlandC4 {
 
     #[inline(always)]
     fn w(&self, q: f64) -> f64 {
-        let a = (1.0 - 0.5 * q).max(0.0);
+        let a = positive_part(1.0 - 0.5 * q);
         let a3 = a * a * a;
         a3 * a3 * (1.0 + 3.0 * q + 35.0 / 12.0 * q * q)
     }
 
     #[inline(always)]
     fn dw_dq(&self, q: f64) -> f64 {
-        let a = (1.0 - 0.5 * q).max(0.0);
+        let a = positive_part(1.0 - 0.5 * q);
         let a2 = a * a;
         -7.0 / 3.0 * q * (2.0 + 5.0 * q) * (a2 * a2 * a)
     }

@@ -6,6 +6,7 @@ use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::clusters::{ClusterList, Kind};
 use super::grid::Grid;
 use super::sort::sort_fluid;
 use super::{PairList, PeriodicSides, Rows, add_images, clear_with_room};
@@ -13,7 +14,7 @@ use crate::app::StoreggaApp;
 use crate::checkpoint::{SavedState, decode, encode};
 use crate::kernels::SmoothingKernel;
 use crate::particles::{Fluid, PeriodShift, Position, RestPosition, Solid, Wall, columns};
-use crate::scene::{Invalid, SceneDocument, SceneSection, SectionError};
+use crate::scene::{Invalid, Resolution, SceneDocument, SceneSection, SectionError};
 use crate::schedule::Stage;
 
 /// How neighbour lists are kept: section `neighbours` of a scene. It decides about speed; results change by rounding
@@ -25,14 +26,28 @@ pub struct NeighbourSettings {
     /// lists serve until a particle has moved by half the skin.
     #[schemars(range(min = 0.0, max = 1.0), extend("unit" = "support radii"))]
     pub skin: f64,
-    /// Fluid particles are re-sorted in memory at every so many-th build of the lists; 0 for never.
+    /// Fluid particles are re-sorted in memory at every so many-th build of the lists; 0 for never. Four that follow one
+    /// another share a list: it is short where they lie side by side.
     #[schemars(extend("unit" = "builds of lists"))]
     pub sort_every: u32,
+    /// How pair loops run.
+    pub loops: PairLoops,
+}
+
+/// How pair loops run. The results are the same to the bit.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub enum PairLoops {
+    /// One particle at a time, each stage by itself: the formulas as they stand.
+    Plain,
+    /// Four particles side by side, and stages that read the same pairs in one sweep.
+    #[default]
+    Fast,
 }
 
 impl Default for NeighbourSettings {
     fn default() -> Self {
-        Self { skin: 0.1, sort_every: 16 }
+        Self { skin: 0.1, sort_every: 1, loops: PairLoops::Fast }
     }
 }
 
@@ -64,8 +79,8 @@ impl SceneSection for NeighbourSettings {
 pub struct Neighbours {
     /// The numbering of rows.
     pub rows: Rows,
-    /// Neighbours of each fluid particle: rows of every kind. With ∇W.
-    pub fluid: PairList,
+    /// What is near each fluid particle: rows of every kind.
+    pub fluid: ClusterList,
     /// Fluid neighbours of each wall particle. With W.
     pub walls: PairList,
     /// Fluid neighbours of each structure particle. With W and ∇W.
@@ -79,6 +94,9 @@ pub struct Neighbours {
     /// Width of the skin (m).
     skin: f64,
     sort_every: u32,
+    pub(super) plain_loops: bool,
+    /// Edges (m) of the cells in which neighbours are looked for.
+    pub(super) cell: DVec3,
     positions: Vec<DVec3>,
     grid: Grid,
 }
@@ -116,28 +134,27 @@ impl Neighbours {
         let wet = n.positions.iter().enumerate().filter(|(row, _)| is_fluid(*row));
         let (min, max) =
             wet.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(min, max), (_, x)| (min.min(*x), max.max(*x)));
-        n.grid.lay(min - n.reach, max + n.reach, n.reach, n.positions.len());
+        n.grid.lay(min - n.reach, max + n.reach, n.cell, n.positions.len());
         n.grid.sort(&n.positions, is_fluid);
 
-        let (grid, positions, reach_squared) = (&n.grid, &n.positions, n.reach * n.reach);
-        n.fluid.build(fluid, |i, list| {
-            grid.around(positions[i], |entries| {
-                list.extend(
-                    entries
-                        .iter()
-                        .filter(|e| e.position.distance_squared(positions[i]) < reach_squared && e.row as usize != i)
-                        .map(|e| e.row),
-                );
+        let (grid, positions, reach, reach_squared) = (&n.grid, &n.positions, n.reach, n.reach * n.reach);
+        n.fluid.build(fluid, |rows, kind, list| {
+            let cluster = &positions[rows];
+            let (min, max) = cluster.iter().fold((cluster[0], cluster[0]), |(min, max), x| (min.min(*x), max.max(*x)));
+            let near = |x: DVec3| {
+                (x.clamp(min, max) - x).length_squared() < reach_squared
+                    && cluster.iter().any(|x_i| x_i.distance_squared(x) < reach_squared)
+            };
+            grid.around((min - reach, max + reach), |entries| {
+                let of_kind = entries.iter().filter(|e| e.fluid == (kind == Kind::Fluid));
+                list.extend(of_kind.filter(|e| near(e.position)).map(|e| e.row));
             });
         });
         let fluid_near = |row: usize, list: &mut Vec<u32>| {
-            grid.around(positions[row], |entries| {
-                list.extend(
-                    entries
-                        .iter()
-                        .filter(|e| e.fluid && e.position.distance_squared(positions[row]) < reach_squared)
-                        .map(|e| e.row),
-                );
+            let x = positions[row];
+            grid.around((x - reach, x + reach), |entries| {
+                let fluid = entries.iter().filter(|e| e.fluid);
+                list.extend(fluid.filter(|e| e.position.distance_squared(x) < reach_squared).map(|e| e.row));
             });
         };
         n.walls.build(walls, |k, list| fluid_near(fluid + k, list));
@@ -150,7 +167,16 @@ fn lists_are_stale(neighbours: Res<Neighbours>) -> bool {
     neighbours.builds == 0 || 2.0 * neighbours.travelled > neighbours.skin
 }
 
-fn set_reach(mut neighbours: ResMut<Neighbours>, settings: Res<NeighbourSettings>, kernel: Res<SmoothingKernel>) {
+fn set_reach(
+    mut neighbours: ResMut<Neighbours>,
+    settings: Res<NeighbourSettings>,
+    kernel: Res<SmoothingKernel>,
+    resolution: Res<Resolution>,
+) {
+    // Two spacings: four particles in a row of cells sorted along x are then two by two.
+    let edge = 2.0 * resolution.spacing;
+    neighbours.cell = DVec3::new(edge, edge, if resolution.dimension == 2 { f64::INFINITY } else { edge });
+    neighbours.plain_loops = settings.loops == PairLoops::Plain;
     neighbours.skin = settings.skin * kernel.0.radius();
     neighbours.reach = kernel.0.radius() + neighbours.skin;
     neighbours.sort_every = settings.sort_every;

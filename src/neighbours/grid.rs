@@ -1,4 +1,4 @@
-//! A grid of cells as wide as a neighbour list reaches.
+//! A grid of cells in which neighbours are looked for.
 
 use glam::DVec3;
 
@@ -16,7 +16,7 @@ pub(super) struct Entry {
 #[derive(Debug, Default)]
 pub(super) struct Grid {
     origin: DVec3,
-    inverse_cell: f64,
+    inverse_cell: DVec3,
     cells: [usize; 3],
     /// `first[c]..first[c + 1]` are the entries of cell c.
     first: Vec<u32>,
@@ -32,14 +32,13 @@ const CELLS_PER_ROW: f64 = 8.0;
 const OUTSIDE: u32 = u32::MAX;
 
 impl Grid {
-    /// Lays cells of edge `reach` (m) over the box `min`–`max`.
-    pub fn lay(&mut self, min: DVec3, max: DVec3, reach: f64, rows: usize) {
+    /// Lays cells of edges `cell` (m) over the box `min`–`max`.
+    pub fn lay(&mut self, min: DVec3, max: DVec3, mut cell: DVec3, rows: usize) {
         let extent = max - min;
-        let mut cell = reach;
         // Particles at infinity are found by the watch over divergence; here they must only not hang the search.
         let extent = if extent.is_finite() { extent } else { DVec3::ZERO };
         loop {
-            let cells = extent.to_array().map(|length| (length / cell).floor() + 1.0);
+            let cells = (extent / cell).to_array().map(|length| length.floor() + 1.0);
             if cells.iter().product::<f64>() <= CELLS_PER_ROW * rows as f64 + 1000.0 {
                 self.cells = cells.map(|n| n as usize);
                 break;
@@ -47,7 +46,7 @@ impl Grid {
             cell *= 1.5;
         }
         self.origin = min;
-        self.inverse_cell = 1.0 / cell;
+        self.inverse_cell = cell.recip();
     }
 
     fn coordinates(&self, position: DVec3) -> [isize; 3] {
@@ -98,18 +97,28 @@ impl Grid {
         self.first[0] = 0;
     }
 
-    /// Calls `visit` with each run of entries in the cells around `position`.
+    /// Calls `visit` with each run of entries in the cells that touch the box `min`–`max`.
     #[inline(always)]
-    pub fn around(&self, position: DVec3, mut visit: impl FnMut(&[Entry])) {
-        let [x, y, z] = self.coordinates(position);
-        let [nx, ny, nz] = self.cells.map(|n| n as isize);
-        let (x0, x1) = ((x - 1).clamp(0, nx), (x + 2).clamp(0, nx));
-        for cz in (z - 1).max(0)..(z + 2).min(nz) {
-            for cy in (y - 1).max(0)..(y + 2).min(ny) {
-                let line = (cz * ny + cy) * nx;
-                let range = self.first[(line + x0) as usize] as usize..self.first[(line + x1) as usize] as usize;
-                visit(&self.entries[range]);
+    pub fn around(&self, (min, max): (DVec3, DVec3), mut visit: impl FnMut(&[Entry])) {
+        let n = self.cells.map(|n| n as isize);
+        let (first, last) = (self.coordinates(min), self.coordinates(max));
+        let range = |axis: usize| first[axis].clamp(0, n[axis])..(last[axis] + 1).clamp(0, n[axis]);
+        let x = range(0);
+        for z in range(2) {
+            for y in range(1) {
+                let line = (z * n[1] + y) * n[0];
+                let [from, to] = [x.start, x.end].map(|x| self.first[(line + x) as usize] as usize);
+                visit(&self.entries[from..to]);
             }
         }
+    }
+
+    /// The line of cells along x in which a position lies, and how far along it (in 2⁻⁴⁰ of the grid's length): what is sorted
+    /// by it lies by twos in a line of cells two spacings wide.
+    pub fn place(&self, position: DVec3) -> u64 {
+        let [_, y, z] = self.coordinates(position);
+        let line = z as u64 * self.cells[1] as u64 + y as u64;
+        let along = (position.x - self.origin.x) * self.inverse_cell.x / self.cells[0] as f64;
+        line << 40 | (along * (1_u64 << 40) as f64) as u64
     }
 }

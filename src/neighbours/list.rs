@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
-use crate::kernels::PairKernel;
-use crate::particles::{Gathered, PIECE, Vector};
+use crate::lanes::{Fields, Real};
+use crate::particles::{Gathered, PIECE, Records, Vector};
 
 /// Owners that share one piece of memory; lists are built and their kernels evaluated piece by piece in parallel.
 const CHUNK: usize = 512;
@@ -130,61 +130,32 @@ pub(crate) fn clear_with_room<T>(column: &mut Vec<T>) {
 
 /// A pair as a pair term sees it.
 #[derive(Debug, Clone, Copy)]
-pub struct Pair<const D: usize> {
+pub struct Pair<const D: usize, R = f64> {
     /// r_ij = x_i − x_j (m).
-    pub r_ij: Vector<D>,
+    pub r_ij: Vector<D, R>,
     /// F_ij = (dW/dr)/r (1/m^(d+2)), also r_ij·∇_iW_ij / r²; ≤ 0.
-    pub gradient: f64,
+    pub gradient: R,
 }
 
-impl<const D: usize> Pair<D> {
+impl<const D: usize, R: Real> Pair<D, R> {
     /// ∇_iW_ij (1/m^(d+1)), Eq. 3.
     #[inline(always)]
     #[must_use]
-    pub fn grad_w(&self) -> Vector<D> {
+    pub fn grad_w(&self) -> Vector<D, R> {
         self.r_ij * self.gradient
     }
 }
 
-/// Calls `term(neighbour, pair)` for every pair of `own`: sweeps form r_ij, pair terms are given it.
+/// Calls `term(neighbour, pair)` for every listed pair of the ghost `own`.
 #[inline(always)]
-pub fn sum_pairs<const D: usize, T>(
+pub fn sum_pairs<const D: usize, T: Fields<With<f64> = T>>(
     own: &Gathered<D, T>,
     pairs: Pairs<'_>,
-    records: &[Gathered<D, T>],
+    records: Records<'_, D, T>,
     mut term: impl FnMut(&T, &Pair<D>),
 ) {
     for (&row, &gradient) in pairs.rows.iter().zip(pairs.gradients) {
-        let other = &records[row as usize];
+        let other = records.get(row as usize);
         term(&other.state, &Pair { r_ij: own.position - other.position, gradient });
     }
-}
-
-/// Pairs whose kernel is evaluated in one call by [`sum_gradients_anew`].
-const LANES: usize = 64;
-
-/// `Σ_j factor(j, r_ij) F_ij` for records whose positions are not those of the list's `F_ij = (dW/dr)/r`: it is evaluated
-/// anew.
-#[inline(always)]
-pub fn sum_gradients_anew<const D: usize, T>(
-    own: &Gathered<D, T>,
-    rows: &[u32],
-    records: &[Gathered<D, T>],
-    kernel: &dyn PairKernel,
-    factor: impl Fn(&T, Vector<D>) -> f64,
-) -> f64 {
-    let mut sum = 0.0;
-    for rows in rows.chunks(LANES) {
-        let (mut gradients, mut factors) = ([0.0; LANES], [0.0; LANES]);
-        let gradients = &mut gradients[..rows.len()];
-        for ((&row, gradient), out) in rows.iter().zip(&mut *gradients).zip(&mut factors) {
-            let other = &records[row as usize];
-            let r_ij = own.position - other.position;
-            *gradient = r_ij.dot(r_ij);
-            *out = factor(&other.state, r_ij);
-        }
-        kernel.gradients(gradients);
-        sum += gradients.iter().zip(&factors).map(|(gradient, factor)| gradient * factor).sum::<f64>();
-    }
-    sum
 }

@@ -1,15 +1,18 @@
 //! Who is near whom: cell grid, neighbour lists with a skin, periodic images, order in memory.
 
 mod build;
+mod clusters;
 mod grid;
 mod images;
 mod list;
 mod sort;
+mod sweep;
 
 pub use build::{NeighbourSettings, Neighbours, NeighboursPlugin};
+pub use clusters::{CLUSTER, ClusterList, Near};
 pub use images::{Image, PeriodicSides};
-pub(crate) use list::sum_gradients_anew;
 pub use list::{Pair, PairList, Pairs, sum_pairs};
+pub use sweep::{PairTerm, Sweep, sum_near};
 
 use glam::DVec3;
 use images::add_images;

@@ -1,8 +1,9 @@
-//! The order of fluid particles in memory: by cell, so that neighbours in space are neighbours in memory.
+//! The order of fluid particles in memory: line by line of cells, so that neighbours in space are neighbours in memory.
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemState;
 use glam::DVec3;
+use rayon::slice::ParallelSliceMut;
 
 use super::build::Neighbours;
 use super::grid::Grid;
@@ -12,12 +13,12 @@ use crate::particles::{Fluid, Position, columns, permute_columns};
 #[derive(Default)]
 pub(super) struct SortScratch {
     grid: Grid,
-    /// Cell in the upper, row in the lower 32 bits.
-    keys: Vec<u64>,
+    /// Place and row.
+    keys: Vec<(u64, u32)>,
     order: Vec<u32>,
 }
 
-/// Re-sorts the fluid table by cell, once in so many builds of the neighbour lists.
+/// Re-sorts the fluid table by place, once in so many builds of the neighbour lists.
 pub(super) fn sort_fluid(
     world: &mut World,
     positions: &mut SystemState<Query<&'static Position, With<Fluid>>>,
@@ -27,19 +28,19 @@ pub(super) fn sort_fluid(
     if !neighbours.sort_is_due() {
         return;
     }
-    let reach = neighbours.reach();
+    let cell = neighbours.cell;
     let SortScratch { grid, keys, order } = &mut *scratch;
     {
         let Ok(query) = positions.get(world) else { return };
         let positions: &[Position] = columns(&query);
         let min = positions.iter().fold(DVec3::INFINITY, |min, x| min.min(x.0));
         let max = positions.iter().fold(DVec3::NEG_INFINITY, |max, x| max.max(x.0));
-        grid.lay(min, max, reach, positions.len());
+        grid.lay(min, max, cell, positions.len());
         keys.clear();
-        keys.extend(positions.iter().enumerate().map(|(row, x)| u64::from(grid.cell(x.0)) << 32 | row as u64));
+        keys.extend(positions.iter().enumerate().map(|(row, x)| (grid.place(x.0), row as u32)));
     }
-    keys.sort_unstable();
+    keys.par_sort_unstable();
     order.clear();
-    order.extend(keys.iter().map(|key| *key as u32));
+    order.extend(keys.iter().map(|(_, row)| *row));
     permute_columns(world, order);
 }

@@ -1,10 +1,13 @@
 //! What a sweep reads of a neighbour, packed so that one neighbour is one place in memory.
 
+use std::marker::PhantomData;
+
 use bevy_ecs::prelude::Resource;
 use rayon::prelude::*;
 
 use super::Vector;
-use crate::neighbours::{Rows, clear_with_room};
+use crate::lanes::Fields;
+use crate::neighbours::Rows;
 
 /// Particles below which a loop is not split further between threads.
 pub const GRAIN: usize = 256;
@@ -24,16 +27,31 @@ pub struct Gathered<const D: usize, T> {
 /// Step-local records of every row (fluid, walls, structures, periodic images), reused from step to step.
 #[derive(Resource)]
 pub struct Gather<const D: usize, T> {
-    rows: Vec<Gathered<D, T>>,
+    numbers: Vec<f64>,
+    of: PhantomData<T>,
 }
 
 impl<const D: usize, T> Default for Gather<D, T> {
     fn default() -> Self {
-        Self { rows: Vec::new() }
+        Self { numbers: Vec::new(), of: PhantomData }
     }
 }
 
-impl<const D: usize, T: Copy + Send + Sync> Gather<D, T> {
+/// The records of every row, row after row: position, then state.
+pub struct Records<'a, const D: usize, T> {
+    numbers: &'a [f64],
+    of: PhantomData<T>,
+}
+
+impl<const D: usize, T> Clone for Records<'_, D, T> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<const D: usize, T> Copy for Records<'_, D, T> {}
+
+impl<const D: usize, T: Fields<With<f64> = T>> Gather<D, T> {
     /// Packs every row: `fluid`, `walls`, `structures` make the record of the k-th particle of their table; periodic
     /// images are copies of their source, shifted.
     pub fn fill(
@@ -42,17 +60,61 @@ impl<const D: usize, T: Copy + Send + Sync> Gather<D, T> {
         fluid: impl Fn(usize) -> Gathered<D, T> + Sync + Send,
         walls: impl Fn(usize) -> Gathered<D, T> + Sync + Send,
         structures: impl Fn(usize) -> Gathered<D, T> + Sync + Send,
-    ) -> &[Gathered<D, T>] {
-        clear_with_room(&mut self.rows);
-        self.rows.par_extend((0..rows.fluid).into_par_iter().with_min_len(GRAIN).with_max_len(PIECE).map(fluid));
-        self.rows.par_extend((0..rows.walls).into_par_iter().with_min_len(GRAIN).with_max_len(PIECE).map(walls));
-        self.rows
-            .par_extend((0..rows.structures).into_par_iter().with_min_len(GRAIN).with_max_len(PIECE).map(structures));
-        for image in &rows.images {
-            let mut record = self.rows[image.source as usize];
-            record.position += image.shift.into();
-            self.rows.push(record);
+    ) -> Records<'_, D, T> {
+        let stride = D + T::COUNT;
+        let len = (rows.owned() + rows.images.len()) * stride;
+        if self.numbers.capacity() < len {
+            // Images come and go: a little room spares most of them a new allocation.
+            self.numbers.reserve_exact(len + rows.images.len() / 4 * stride - self.numbers.len());
         }
-        &self.rows
+        self.numbers.resize(len, 0.0);
+        let (of_fluid, rest) = self.numbers.split_at_mut(rows.fluid * stride);
+        let (of_walls, rest) = rest.split_at_mut(rows.walls * stride);
+        let of_structures = &mut rest[..rows.structures * stride];
+        pack(of_fluid, fluid);
+        pack(of_walls, walls);
+        pack(of_structures, structures);
+        let first_image = rows.owned() * stride;
+        for (k, image) in rows.images.iter().enumerate() {
+            let (from, to) = (image.source as usize * stride, first_image + k * stride);
+            self.numbers.copy_within(from..from + stride, to);
+            for (x, shift) in self.numbers[to..to + D].iter_mut().zip(image.shift.to_array()) {
+                *x += shift;
+            }
+        }
+        Records { numbers: &self.numbers, of: PhantomData }
     }
+}
+
+impl<const D: usize, T: Fields<With<f64> = T>> Records<'_, D, T> {
+    /// The numbers of one row.
+    #[inline(always)]
+    pub(crate) fn row(&self, row: usize) -> &[f64] {
+        let stride = D + T::COUNT;
+        &self.numbers[row * stride..][..stride]
+    }
+
+    /// One row.
+    #[inline(always)]
+    #[must_use]
+    pub fn get(&self, row: usize) -> Gathered<D, T> {
+        let numbers = self.row(row);
+        Gathered { position: Vector(std::array::from_fn(|k| numbers[k])), state: T::build(|k| numbers[D + k]) }
+    }
+}
+
+/// Writes the records of one table, in parallel.
+fn pack<const D: usize, T: Fields<With<f64> = T>>(
+    numbers: &mut [f64],
+    record: impl Fn(usize) -> Gathered<D, T> + Sync + Send,
+) {
+    let stride = D + T::COUNT;
+    numbers.par_chunks_mut(PIECE * stride).enumerate().for_each(|(piece, numbers)| {
+        for (k, numbers) in numbers.chunks_exact_mut(stride).enumerate() {
+            let Gathered { position, state } = record(piece * PIECE + k);
+            let (x, values) = numbers.split_at_mut(D);
+            x.copy_from_slice(&position.0);
+            T::each(&state, |field, value: f64| values[field] = value);
+        }
+    });
 }

@@ -7,5 +7,5 @@ mod vector;
 
 pub use columns::{ColumnError, ParticleColumns, columns, permute_columns};
 pub use components::*;
-pub use gather::{GRAIN, Gather, Gathered, PIECE};
+pub use gather::{GRAIN, Gather, Gathered, PIECE, Records};
 pub use vector::Vector;

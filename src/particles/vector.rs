@@ -4,21 +4,25 @@ use std::ops::{Add, AddAssign, Mul, Sub};
 
 use glam::DVec3;
 
+use crate::lanes::Real;
+
 /// A vector with `D` components: positions, velocities and forces inside the pair loops.
 ///
 /// Columns hold [`DVec3`] in both dimensions; a loop converts once when it gathers a particle, so that a 2D scene
 /// pays for no third coordinate where it counts.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Vector<const D: usize>(pub [f64; D]);
+pub struct Vector<const D: usize, R = f64>(pub [R; D]);
 
 impl<const D: usize> Vector<D> {
     /// The null vector.
     pub const ZERO: Self = Self([0.0; D]);
+}
 
+impl<const D: usize, R: Real> Vector<D, R> {
     /// Scalar product a·b.
     #[inline(always)]
     #[must_use]
-    pub fn dot(self, other: Self) -> f64 {
+    pub fn dot(self, other: Self) -> R {
         let mut sum = self.0[0] * other.0[0];
         for k in 1..D {
             sum += self.0[k] * other.0[k];
@@ -31,7 +35,10 @@ impl<const D: usize> From<DVec3> for Vector<D> {
     #[inline(always)]
     fn from(v: DVec3) -> Self {
         let components = v.to_array();
-        Self(std::array::from_fn(|k| components[k]))
+        Self(std::array::from_fn(
+            #[inline(always)]
+            |k| components[k],
+        ))
     }
 }
 
@@ -44,33 +51,42 @@ impl<const D: usize> From<Vector<D>> for DVec3 {
     }
 }
 
-impl<const D: usize> Add for Vector<D> {
+impl<const D: usize, R: Real> Add for Vector<D, R> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        Self(std::array::from_fn(|k| self.0[k] + other.0[k]))
+        Self(std::array::from_fn(
+            #[inline(always)]
+            |k| self.0[k] + other.0[k],
+        ))
     }
 }
 
-impl<const D: usize> AddAssign for Vector<D> {
+impl<const D: usize, R: Real> AddAssign for Vector<D, R> {
     #[inline(always)]
     fn add_assign(&mut self, other: Self) {
         *self = *self + other;
     }
 }
 
-impl<const D: usize> Sub for Vector<D> {
+impl<const D: usize, R: Real> Sub for Vector<D, R> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        Self(std::array::from_fn(|k| self.0[k] - other.0[k]))
+        Self(std::array::from_fn(
+            #[inline(always)]
+            |k| self.0[k] - other.0[k],
+        ))
     }
 }
 
-impl<const D: usize> Mul<f64> for Vector<D> {
+impl<const D: usize, R: Real> Mul<R> for Vector<D, R> {
     type Output = Self;
     #[inline(always)]
-    fn mul(self, factor: f64) -> Self {
-        Self(std::array::from_fn(|k| self.0[k] * factor))
+    fn mul(self, factor: R) -> Self {
+        Self(std::array::from_fn(
+            #[inline(always)]
+            |k| self.0[k] * factor,
+        ))
     }
 }

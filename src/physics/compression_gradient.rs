@@ -12,9 +12,11 @@ use serde::{Deserialize, Serialize};
 
 use super::DensityDiffusion;
 use super::strain_rate::{Matrix, times_inverse};
-use crate::neighbours::{Neighbours, sum_pairs};
+use crate::kernels::SmoothingKernel;
+use crate::lanes::{Real, fields};
+use crate::neighbours::{Neighbours, Pair, PairTerm, Sweep};
 use crate::particles::{
-    Density, Fluid, GRAIN, Gather, Gathered, Mass, PIECE, Position, ReferenceDensity, Solid, Vector, Wall, columns,
+    Density, Fluid, Gather, Gathered, Mass, PIECE, Position, ReferenceDensity, Solid, Vector, Wall, columns,
 };
 
 /// ⟨∇β⟩ (1/m) of a fluid particle; kept only where the diffusion asks for it.
@@ -24,18 +26,56 @@ pub struct CompressionGradient(pub DVec3);
 /// Least determinant of K over that of an isotropic one with the same trace.
 pub(crate) const LEAST_RATIO: f64 = 0.1;
 
-/// β and the volume with which a particle counts: 0 for walls and structures, which take no part.
-#[derive(Debug, Clone, Copy)]
-pub struct Filling {
-    beta: f64,
-    volume: f64,
+fields! {
+    /// β and the volume of a particle.
+    pub struct Filling<D> {
+        beta: f64,
+        volume: f64,
+    }
+}
+
+/// `Σ_j V_j (β_j − β_i) ∇_iW_ij` and K_i.
+struct Slope;
+
+impl<const D: usize> PairTerm<D> for Slope {
+    type State = Filling<D>;
+    type Sum = ([[f64; D]; 1], Matrix<D>);
+
+    #[inline(always)]
+    fn fluid<R: Real>(
+        &self,
+        ([slope], k): &mut ([[R; D]; 1], Matrix<D, R>),
+        i: &Filling<D, R>,
+        j: &Filling<D, R>,
+        pair: &Pair<D, R>,
+    ) {
+        let volume_grad_w = pair.grad_w() * j.volume;
+        for b in 0..D {
+            slope[b] += (j.beta - i.beta) * volume_grad_w.0[b];
+            for (row, r) in k.iter_mut().zip(pair.r_ij.0) {
+                row[b] -= r * volume_grad_w.0[b];
+            }
+        }
+    }
+
+    /// Walls and structures take no part.
+    #[inline(always)]
+    fn ghost<R: Real>(
+        &self,
+        _: &mut ([[R; D]; 1], Matrix<D, R>),
+        _: &Filling<D, R>,
+        _: &Filling<D, R>,
+        _: &Pair<D, R>,
+    ) {
+    }
 }
 
 /// Computes ⟨∇β⟩ of every fluid particle.
 pub fn compression_gradient<const D: usize>(
     diffusion: Res<DensityDiffusion>,
+    kernel: Res<SmoothingKernel>,
     neighbours: Res<Neighbours>,
-    mut gather: Local<Gather<D, Filling>>,
+    mut gather: Local<Gather<D, Filling<D>>>,
     mut fluid: Query<(&Position, &Mass, &Density, &ReferenceDensity, &mut CompressionGradient), With<Fluid>>,
     walls: Query<&Position, With<Wall>>,
     structures: Query<&Position, With<Solid>>,
@@ -52,22 +92,13 @@ pub fn compression_gradient<const D: usize>(
             state: Filling { beta: rho[i].0 / rho0[i].0, volume: m[i].0 / rho[i].0 },
         };
         let records = gather.fill(&neighbours.rows, own, walls, structures);
-        let out = gradient.bypass_change_detection().par_iter_mut().with_min_len(GRAIN).with_max_len(PIECE);
-        out.enumerate().for_each(|(i, gradient)| {
-            let own = &records[i];
-            let (mut slope, mut k): ([[f64; D]; 1], Matrix<D>) = ([[0.0; D]], [[0.0; D]; D]);
-            sum_pairs(own, neighbours.fluid.of(i), records, |other, pair| {
-                let volume_grad_w = pair.grad_w() * other.volume;
-                for b in 0..D {
-                    slope[0][b] += (other.beta - own.state.beta) * volume_grad_w.0[b];
-                    for (row, r) in k.iter_mut().zip(pair.r_ij.0) {
-                        row[b] -= r * volume_grad_w.0[b];
-                    }
-                }
+        let sweep = Sweep::new(&neighbours, &*kernel.0, records, Slope);
+        gradient.bypass_change_detection().par_chunks_mut(PIECE).enumerate().for_each(|(piece, gradient)| {
+            sweep.sum(piece * PIECE, gradient.len(), |i, (slope, k)| {
+                let trace: f64 = (0..D).map(|a| k[a][a]).sum();
+                let [corrected] = times_inverse(slope, k, LEAST_RATIO * (trace / D as f64).powi(D as i32));
+                gradient[i].0 = Vector(corrected).into();
             });
-            let trace: f64 = (0..D).map(|a| k[a][a]).sum();
-            let [corrected] = times_inverse(slope, k, LEAST_RATIO * (trace / D as f64).powi(D as i32));
-            gradient.0 = Vector(corrected).into();
         });
     }
     Ok(())

@@ -14,17 +14,33 @@ use rayon::prelude::*;
 
 use crate::clock::Clock;
 use crate::kernels::SmoothingKernel;
-use crate::neighbours::{Neighbours, sum_gradients_anew};
+use crate::lanes::{Real, fields};
+use crate::neighbours::{Neighbours, Pair, PairTerm, Sweep};
 use crate::particles::{
-    Density, DensityRate, Fluid, GRAIN, Gather, Gathered, Mass, PIECE, Position, Solid, Vector, Velocity, Volume, Wall,
+    Density, DensityRate, Fluid, Gather, Gathered, Mass, PIECE, Position, Solid, Vector, Velocity, Volume, Wall,
     WallAcceleration, WallVelocity, columns,
 };
 
-/// What the continuity equation needs of a particle.
-#[derive(Debug, Clone, Copy)]
-pub struct Flux<const D: usize> {
-    velocity: Vector<D>,
-    volume: f64,
+fields! {
+    /// What the continuity equation needs of a particle.
+    pub struct Flux<D> {
+        velocity: Vector<D>,
+        volume: f64,
+    }
+}
+
+/// `Σ_j V_j v_ij·∇_iW_ij` (1/s).
+struct Continuity;
+
+impl<const D: usize> PairTerm<D> for Continuity {
+    type State = Flux<D>;
+    type Sum = f64;
+
+    #[inline(always)]
+    fn fluid<R: Real>(&self, sum: &mut R, i: &Flux<D, R>, j: &Flux<D, R>, pair: &Pair<D, R>) {
+        let v_ij = i.velocity - j.velocity;
+        *sum += j.volume * v_ij.dot(pair.r_ij) * pair.gradient;
+    }
 }
 
 type Ghosts = (&'static Position, &'static WallVelocity, &'static WallAcceleration, &'static Volume);
@@ -50,14 +66,10 @@ pub fn density_rate<const D: usize>(
     });
     for (x, v, m, rho, mut rate) in fluid.contiguous_iter_mut()? {
         let records = gather.fill(&neighbours.rows, |i| midway(&x[i], v[i].0, m[i].0 / rho[i].0), walls, structures);
-        let out = rate.bypass_change_detection().par_iter_mut().with_min_len(GRAIN).with_max_len(PIECE);
-        out.enumerate().for_each(|(i, rate)| {
-            let own = &records[i];
-            let pairs = neighbours.fluid.of(i).rows;
-            let sum = sum_gradients_anew(own, pairs, records, &*kernel.0, |other, r_ij| {
-                other.volume * (own.state.velocity - other.velocity).dot(r_ij)
-            });
-            rate.0 = rho[i].0 * sum;
+        let sweep = Sweep::new(&neighbours, &*kernel.0, records, Continuity);
+        rate.bypass_change_detection().par_chunks_mut(PIECE).enumerate().for_each(|(piece, rate)| {
+            let first = piece * PIECE;
+            sweep.sum(first, rate.len(), |k, sum| rate[k].0 = rho[first + k].0 * sum);
         });
     }
     Ok(())

@@ -17,9 +17,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{CompressionGradient, EquationOfState, Gravity};
-use crate::neighbours::{Neighbours, sum_pairs};
+use crate::kernels::SmoothingKernel;
+use crate::lanes::{Real, fields};
+use crate::neighbours::{Neighbours, Pair, PairTerm, Sweep};
 use crate::particles::{
-    Density, DensityRate, Fluid, GRAIN, Gather, Gathered, Mass, PIECE, Position, ReferenceDensity, Solid, Vector, Wall,
+    Density, DensityRate, Fluid, Gather, Gathered, Mass, PIECE, Position, ReferenceDensity, Solid, Vector, Wall,
     columns,
 };
 use crate::scene::{Resolution, SceneSettings};
@@ -60,15 +62,33 @@ impl SceneSettings for DensityDiffusion {
     const NAME: &'static str = "diffusion";
 }
 
-/// What the diffusion needs of a particle.
-#[derive(Debug, Clone, Copy)]
-pub struct Compression<const D: usize> {
-    /// β = ρ/ρ0.
-    beta: f64,
-    /// s (1/m), the slope of β that does not diffuse.
-    slope: Vector<D>,
-    /// 0 for walls and structures, which take no part.
-    volume: f64,
+fields! {
+    /// What the diffusion needs of a particle.
+    pub struct Compression<D> {
+        /// β = ρ/ρ0.
+        beta: f64,
+        /// s (1/m), the slope of β that does not diffuse.
+        slope: Vector<D>,
+        volume: f64,
+    }
+}
+
+/// `Σ_j V_j ψ_ij (r_ij·∇_iW_ij)/r²` (1/m²).
+struct Diffusion;
+
+impl<const D: usize> PairTerm<D> for Diffusion {
+    type State = Compression<D>;
+    type Sum = f64;
+
+    #[inline(always)]
+    fn fluid<R: Real>(&self, sum: &mut R, i: &Compression<D, R>, j: &Compression<D, R>, pair: &Pair<D, R>) {
+        let psi_ij = i.beta - j.beta - (i.slope + j.slope).dot(pair.r_ij) * 0.5;
+        *sum += j.volume * psi_ij * pair.gradient;
+    }
+
+    /// Walls and structures take no part.
+    #[inline(always)]
+    fn ghost<R: Real>(&self, _: &mut R, _: &Compression<D, R>, _: &Compression<D, R>, _: &Pair<D, R>) {}
 }
 
 type FluidState = (
@@ -86,6 +106,7 @@ pub fn density_diffusion<const D: usize>(
     resolution: Res<Resolution>,
     state: Res<EquationOfState>,
     gravity: Res<Gravity>,
+    kernel: Res<SmoothingKernel>,
     neighbours: Res<Neighbours>,
     mut gather: Local<Gather<D, Compression<D>>>,
     mut fluid: Query<FluidState, With<Fluid>>,
@@ -113,17 +134,14 @@ pub fn density_diffusion<const D: usize>(
             },
         };
         let records = gather.fill(&neighbours.rows, own, walls, structures);
-        let out = rate.bypass_change_detection().par_iter_mut().with_min_len(GRAIN).with_max_len(PIECE);
-        out.enumerate().for_each(|(i, rate)| {
-            let own = &records[i];
-            let (beta_i, s_i) = (own.state.beta, own.state.slope);
-            let mut sum = 0.0;
-            sum_pairs(own, neighbours.fluid.of(i), records, |other, pair| {
-                let psi_ij = beta_i - other.beta - 0.5 * (s_i + other.slope).dot(pair.r_ij);
-                sum += other.volume * psi_ij * pair.gradient;
+        let sweep = Sweep::new(&neighbours, &*kernel.0, records, Diffusion);
+        rate.bypass_change_detection().par_chunks_mut(PIECE).enumerate().for_each(|(piece, rate)| {
+            let first = piece * PIECE;
+            sweep.sum(first, rate.len(), |k, sum| {
+                let rho0_i = rho0[first + k].0;
+                let c_i = state.sound_speed(rho0_i);
+                rate[k].0 += 2.0 * delta * resolution.smoothing_length * c_i * rho0_i * sum;
             });
-            let c_i = state.sound_speed(rho0[i].0);
-            rate.0 += 2.0 * delta * resolution.smoothing_length * c_i * rho0[i].0 * sum;
         });
     }
     Ok(())

@@ -22,9 +22,10 @@ use serde::{Deserialize, Serialize};
 
 use super::EquationOfState;
 use crate::kernels::SmoothingKernel;
-use crate::neighbours::{Neighbours, Pairs};
+use crate::lanes::Real;
+use crate::neighbours::{Near, Neighbours, Pair, PairTerm, Sweep};
 use crate::particles::{
-    Density, Fluid, GRAIN, Gather, Gathered, Mass, PIECE, Position, Pressure, ReferenceDensity, Solid, Volume, Wall,
+    Density, Fluid, Gather, Gathered, Mass, PIECE, Position, Pressure, Records, ReferenceDensity, Solid, Volume, Wall,
     columns,
 };
 use crate::scene::SceneSettings;
@@ -69,42 +70,44 @@ pub fn free_surface<const D: usize>(
         let (rho, p) = (rho.bypass_change_detection(), p.bypass_change_detection());
         let own = |i: usize| Gathered { position: x[i].0.into(), state: m[i].0 / rho[i].0 };
         let records = gather.fill(&neighbours.rows, own, walls, structures);
-        let out = (rho, p).into_par_iter().with_min_len(GRAIN).with_max_len(PIECE);
-        out.enumerate().for_each(|(i, (rho, p))| {
-            let pairs = neighbours.fluid.of(i);
-            if is_half_filled(&records[i], pairs, records) {
-                return;
-            }
-            let sum = kernel_sum(&records[i], pairs, records, &kernel);
-            rho.0 = rho0[i].0 * sum.max(1.0);
-            p.0 = state.pressure(rho.0, rho0[i].0);
-        });
+        let sweep = Sweep::new(&neighbours, &*kernel.0, records, Filling);
+        (rho.par_chunks_mut(PIECE), p.par_chunks_mut(PIECE)).into_par_iter().enumerate().for_each(
+            |(piece, (rho, p))| {
+                let first = piece * PIECE;
+                sweep.sum(first, rho.len(), |k, filled| {
+                    let i = first + k;
+                    if filled < LEAST_FILLING * D as f64 {
+                        let sum = kernel_sum(i, neighbours.fluid.of(i), records, &kernel);
+                        rho[k].0 = rho0[i].0 * sum.max(1.0);
+                        p[k].0 = state.pressure(rho[k].0, rho0[i].0);
+                    }
+                });
+            },
+        );
     }
     Ok(())
 }
 
-/// Whether φ_i ≥ ½; most particles are known to be after some of their neighbours.
-fn is_half_filled<const D: usize>(own: &Gathered<D, f64>, pairs: Pairs<'_>, records: &[Gathered<D, f64>]) -> bool {
-    let mut filled = 0.0;
-    pairs.rows.iter().zip(pairs.gradients).any(|(&row, &gradient)| {
-        let other = &records[row as usize];
-        let r_ij = own.position - other.position;
-        filled -= other.state * gradient * r_ij.dot(r_ij);
-        filled >= LEAST_FILLING * D as f64
-    })
+/// `d φ_i = −Σ_j V_j r_ij·∇_iW_ij` of volumes.
+struct Filling;
+
+impl<const D: usize> PairTerm<D> for Filling {
+    type State = f64;
+    type Sum = f64;
+
+    #[inline(always)]
+    fn fluid<R: Real>(&self, sum: &mut R, _: &R, volume_j: &R, pair: &Pair<D, R>) {
+        *sum -= *volume_j * pair.gradient * pair.r_ij.dot(pair.r_ij);
+    }
 }
 
-/// Σ_j V_j W_ij, with i itself.
-fn kernel_sum<const D: usize>(
-    own: &Gathered<D, f64>,
-    pairs: Pairs<'_>,
-    records: &[Gathered<D, f64>],
-    kernel: &SmoothingKernel,
-) -> f64 {
-    let others = pairs.rows.iter().map(|&row| {
-        let other = &records[row as usize];
-        let r_ij = own.position - other.position;
+/// Σ_j V_j W_ij, with i itself, which is among what is near it.
+fn kernel_sum<const D: usize>(i: usize, near: Near<'_>, records: Records<'_, D, f64>, kernel: &SmoothingKernel) -> f64 {
+    let x_i = records.get(i).position;
+    let near = near.rows().map(|row| {
+        let other = records.get(row as usize);
+        let r_ij = x_i - other.position;
         other.state * kernel.value(r_ij.dot(r_ij).sqrt())
     });
-    own.state * kernel.value(0.0) + others.sum::<f64>()
+    near.sum()
 }

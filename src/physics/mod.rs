@@ -29,7 +29,7 @@ pub use free_surface::{FreeSurface, free_surface};
 pub use ghost_pressure::ghost_pressure;
 pub use ghost_velocity::ghost_velocity;
 pub use integration::drift;
-pub use momentum::{Momentum, MomentumSettings, PairViscosity, momentum};
+pub use momentum::{Contact, Momentum, MomentumSettings, momentum};
 pub use pair_kernel::pair_kernel;
 pub use plugin::PhysicsPlugin;
 pub use pressure_force::{DensityWeighted, PressureAverage, PressureForm, VolumeWeighted};
@@ -41,6 +41,8 @@ pub use wall_impact::{ImpactPressure, WallImpact, wall_impact};
 pub(crate) use compression_gradient::LEAST_RATIO;
 pub(crate) use divergence::{GREATEST_COMPRESSION, MOST_STEPS, settle_least_time_step};
 pub(crate) use free_surface::LEAST_FILLING;
-pub(crate) use momentum::{FluidColumns, FluidState, GhostColumns, GhostState, PairTerms, with_forms};
+pub(crate) use momentum::{
+    FluidColumns, FluidState, GhostColumns, GhostState, impact_force, mean_viscosity, pair_forces, with_forms,
+};
 pub(crate) use strain_rate::LEAST_DETERMINANT;
 pub(crate) use wall_impact::fullness_in_front;

@@ -4,16 +4,20 @@
 //! [`pressure_force`](super::PressureAverage) and [`viscous_force`](super::ViscousForce); each is antisymmetric, so total
 //! momentum is conserved to round-off.
 
+use std::marker::PhantomData;
+
 use bevy_ecs::prelude::*;
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{ImpactPressure, PressureAverage, PressureForm, ViscousForce, ViscousForm};
-use crate::neighbours::{Neighbours, sum_pairs};
+use crate::kernels::SmoothingKernel;
+use crate::lanes::{Real, fields};
+use crate::neighbours::{Neighbours, Pair, PairTerm, Sweep};
 use crate::particles::{
-    Acceleration, Density, Fluid, GRAIN, Gather, Gathered, GhostVelocity, Mass, PIECE, Position, Pressure, Slip, Solid,
-    Vector, Velocity, Viscosity, Volume, Wall, columns,
+    Acceleration, Density, Fluid, Gather, Gathered, GhostVelocity, Mass, PIECE, Position, Pressure, Records, Slip,
+    Solid, Vector, Velocity, Viscosity, Volume, Wall, columns,
 };
 use crate::scene::SceneSettings;
 
@@ -31,67 +35,21 @@ impl SceneSettings for MomentumSettings {
     const NAME: &'static str = "momentum";
 }
 
-/// The viscosity with which a particle enters a pair: its own, or what its wall prescribes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PairViscosity(f64);
-
-impl PairViscosity {
-    /// A ghost on which the fluid sticks takes the viscosity of the fluid particle that it acts on.
-    const NO_SLIP: Self = Self(-1.0);
-    /// A ghost along which the fluid slips: no viscous force.
-    const FREE_SLIP: Self = Self(-2.0);
-
-    /// A fluid particle's own μ (Pa s).
-    #[inline(always)]
-    #[must_use]
-    pub fn fluid(mu: f64) -> Self {
-        Self(mu)
+fields! {
+    /// What the forces need of a particle.
+    pub struct Momentum<D> {
+        /// v, or v_b of a ghost (m/s).
+        pub velocity: Vector<D>,
+        /// V (m³; m² in 2D).
+        pub volume: f64,
+        /// ρ (kg/m³).
+        pub density: f64,
+        /// p (Pa).
+        pub pressure: f64,
+        /// μ of a fluid particle (Pa s). Of a ghost how many times the μ of the fluid particle that it meets: 1 where the
+        /// fluid sticks, 0 where it slips.
+        pub viscosity: f64,
     }
-
-    /// What a ghost of a wall or structure brings.
-    #[inline(always)]
-    #[must_use]
-    pub fn ghost(slip: Slip) -> Self {
-        if slip == Slip::FreeSlip { Self::FREE_SLIP } else { Self::NO_SLIP }
-    }
-
-    /// μ (Pa s) of a fluid particle.
-    #[inline(always)]
-    #[must_use]
-    pub fn own(self) -> f64 {
-        self.0
-    }
-
-    /// μ̄_ij = 2 μ_i μ_j/(μ_i + μ_j) (Pa s) of a fluid particle with `mu_i` and this one.
-    #[inline(always)]
-    #[must_use]
-    pub fn mean_with(self, mu_i: f64) -> f64 {
-        let mu_j = self.0.max(0.0);
-        let harmonic = 2.0 * mu_i * mu_j / (mu_i + mu_j + f64::MIN_POSITIVE);
-        if self == Self::NO_SLIP { mu_i } else { harmonic }
-    }
-
-    /// Whether the particle is a ghost of a wall or structure.
-    #[inline(always)]
-    #[must_use]
-    pub fn is_ghost(self) -> bool {
-        self.0 < 0.0
-    }
-}
-
-/// What the forces need of a particle.
-#[derive(Debug, Clone, Copy)]
-pub struct Momentum<const D: usize> {
-    /// v, or v_b of a ghost (m/s).
-    pub velocity: Vector<D>,
-    /// V (m³; m² in 2D).
-    pub volume: f64,
-    /// ρ (kg/m³).
-    pub density: f64,
-    /// p (Pa).
-    pub pressure: f64,
-    /// μ (Pa s), or what a ghost brings.
-    pub viscosity: PairViscosity,
 }
 
 impl<const D: usize> Momentum<D> {
@@ -99,45 +57,76 @@ impl<const D: usize> Momentum<D> {
     #[inline(always)]
     #[must_use]
     pub fn fluid(v: Velocity, m: Mass, rho: Density, p: Pressure, mu: Viscosity) -> Self {
-        Self {
-            velocity: v.0.into(),
-            volume: m.0 / rho.0,
-            density: rho.0,
-            pressure: p.0,
-            viscosity: PairViscosity::fluid(mu.0),
-        }
+        Self { velocity: v.0.into(), volume: m.0 / rho.0, density: rho.0, pressure: p.0, viscosity: mu.0 }
     }
 
     /// What a ghost of a wall or structure brings: v_b, V, ρ, p, and how the fluid slips along it.
     #[inline(always)]
     #[must_use]
     pub fn ghost(v: GhostVelocity, volume: Volume, rho: Density, p: Pressure, slip: Slip) -> Self {
-        Self {
-            velocity: v.0.into(),
-            volume: volume.0,
-            density: rho.0,
-            pressure: p.0,
-            viscosity: PairViscosity::ghost(slip),
-        }
+        let viscosity = if slip == Slip::FreeSlip { 0.0 } else { 1.0 };
+        Self { velocity: v.0.into(), volume: volume.0, density: rho.0, pressure: p.0, viscosity }
     }
 }
 
-/// Pressure and viscous force of one pair on particle i.
-pub(crate) struct PairTerms;
+/// μ̄_ij = 2 μ_i μ_j/(μ_i + μ_j) (Pa s) of two fluid particles.
+#[inline(always)]
+pub(crate) fn mean_viscosity<R: Real>(mu_i: R, mu_j: R) -> R {
+    mu_i * mu_j * 2.0 / (mu_i + mu_j + f64::MIN_POSITIVE)
+}
 
-impl PairTerms {
-    /// (−average ∇_iW_ij, viscous force) with mean viscosity `mu_ij`; `impact` is p^w (Pa) between a fluid particle and a
-    /// wall, which counts as a pressure of both (either average of `p + p^w` is that of p, and p^w (V_i² + V_j²)).
+/// (Pressure force, viscous force) on particle i from particle j, with mean viscosity `mu_ij`.
+#[inline(always)]
+pub(crate) fn pair_forces<const D: usize, R: Real, P: PressureAverage, V: ViscousForce>(
+    mu_ij: R,
+    i: &Momentum<D, R>,
+    j: &Momentum<D, R>,
+    pair: &Pair<D, R>,
+) -> (Vector<D, R>, Vector<D, R>) {
+    (pair.grad_w() * -P::average(i, j), V::force(mu_ij, i, j, pair))
+}
+
+/// The force with which the impact pressure `impact` = p^w (Pa) between a fluid particle and a ghost drives i from j. It
+/// counts as a pressure of both: either average of `p + p^w` is that of p, and p^w (V_i² + V_j²).
+#[inline(always)]
+pub(crate) fn impact_force<const D: usize, R: Real>(
+    impact: R,
+    i: &Momentum<D, R>,
+    j: &Momentum<D, R>,
+    pair: &Pair<D, R>,
+) -> Vector<D, R> {
+    pair.grad_w() * -(impact * (i.volume * i.volume + j.volume * j.volume))
+}
+
+fields! {
+    /// What the forces need of a fluid particle that walls may stop.
+    pub struct Contact<D> {
+        /// What all forces need.
+        pub momentum: Momentum<D>,
+        /// p^w (Pa) of a fluid particle.
+        pub impact: f64,
+    }
+}
+
+/// Forces of the chosen forms, added up.
+struct Forces<P, V>(PhantomData<fn() -> (P, V)>);
+
+impl<const D: usize, P: PressureAverage, V: ViscousForce> PairTerm<D> for Forces<P, V> {
+    type State = Contact<D>;
+    type Sum = Vector<D>;
+
     #[inline(always)]
-    pub(crate) fn of<const D: usize, P: PressureAverage, V: ViscousForce>(
-        mu_ij: f64,
-        impact: f64,
-        i: &Momentum<D>,
-        j: &Momentum<D>,
-        pair: &crate::neighbours::Pair<D>,
-    ) -> (Vector<D>, Vector<D>) {
-        let average = P::average(i, j) + impact * (i.volume * i.volume + j.volume * j.volume);
-        (pair.grad_w() * -average, V::force(mu_ij, i, j, pair))
+    fn fluid<R: Real>(&self, sum: &mut Vector<D, R>, i: &Contact<D, R>, j: &Contact<D, R>, pair: &Pair<D, R>) {
+        let mu_ij = mean_viscosity(i.momentum.viscosity, j.momentum.viscosity);
+        let (pressure, viscous) = pair_forces::<D, R, P, V>(mu_ij, &i.momentum, &j.momentum, pair);
+        *sum += pressure + viscous;
+    }
+
+    #[inline(always)]
+    fn ghost<R: Real>(&self, sum: &mut Vector<D, R>, i: &Contact<D, R>, b: &Contact<D, R>, pair: &Pair<D, R>) {
+        let mu_ib = i.momentum.viscosity * b.momentum.viscosity;
+        let (pressure, viscous) = pair_forces::<D, R, P, V>(mu_ib, &i.momentum, &b.momentum, pair);
+        *sum += pressure + impact_force(i.impact, &i.momentum, &b.momentum, pair) + viscous;
     }
 }
 
@@ -186,46 +175,44 @@ pub(crate) type GhostColumns<'a> =
 /// Computes the acceleration of every fluid particle from the forces between particles.
 pub fn momentum<const D: usize>(
     settings: Res<MomentumSettings>,
+    kernel: Res<SmoothingKernel>,
     neighbours: Res<Neighbours>,
-    mut gather: Local<Gather<D, Momentum<D>>>,
+    mut gather: Local<Gather<D, Contact<D>>>,
     mut fluid: Query<(FluidState, &mut Acceleration), With<Fluid>>,
     walls: Query<GhostState, With<Wall>>,
     structures: Query<GhostState, With<Solid>>,
 ) -> Result {
     let [walls, structures] =
         [columns(&walls), columns(&structures)].map(|(x, v, volume, rho, p, slip): GhostColumns<'_>| {
-            move |b: usize| Gathered {
-                position: x[b].0.into(),
-                state: Momentum::ghost(v[b], volume[b], rho[b], p[b], slip[b]),
+            move |b: usize| {
+                let momentum = Momentum::ghost(v[b], volume[b], rho[b], p[b], slip[b]);
+                Gathered { position: x[b].0.into(), state: Contact { momentum, impact: 0.0 } }
             }
         });
     for ((x, v, m, rho, p, mu, impact), mut acceleration) in fluid.contiguous_iter_mut()? {
-        let own =
-            |i: usize| Gathered { position: x[i].0.into(), state: Momentum::fluid(v[i], m[i], rho[i], p[i], mu[i]) };
+        let own = |i: usize| {
+            let momentum = Momentum::fluid(v[i], m[i], rho[i], p[i], mu[i]);
+            Gathered { position: x[i].0.into(), state: Contact { momentum, impact: impact[i].0 } }
+        };
         let records = gather.fill(&neighbours.rows, own, walls, structures);
         let out = acceleration.bypass_change_detection();
-        with_forms!(settings, accelerate::<D>(&neighbours, records, m, (mu, impact), out));
+        with_forms!(settings, accelerate::<D>(&neighbours, &kernel, records, m, out));
     }
     Ok(())
 }
 
 fn accelerate<const D: usize, P: PressureAverage, V: ViscousForce>(
     neighbours: &Neighbours,
-    records: &[Gathered<D, Momentum<D>>],
+    kernel: &SmoothingKernel,
+    records: Records<'_, D, Contact<D>>,
     m: &[Mass],
-    (mu, impact): (&[Viscosity], &[ImpactPressure]),
     out: &mut [Acceleration],
 ) {
-    out.par_iter_mut().with_min_len(GRAIN).with_max_len(PIECE).enumerate().for_each(|(i, acceleration)| {
-        let own = &records[i];
-        let (mu_i, impact_i) = (mu[i].0, impact[i].0);
-        let mut force = Vector::ZERO;
-        sum_pairs(own, neighbours.fluid.of(i), records, |other, pair| {
-            let mu_ij = other.viscosity.mean_with(mu_i);
-            let impact = if other.viscosity.is_ghost() { impact_i } else { 0.0 };
-            let (pressure, viscous) = PairTerms::of::<D, P, V>(mu_ij, impact, &own.state, other, pair);
-            force += pressure + viscous;
+    let sweep = Sweep::new(neighbours, &*kernel.0, records, Forces::<P, V>(PhantomData));
+    out.par_chunks_mut(PIECE).enumerate().for_each(|(piece, acceleration)| {
+        let first = piece * PIECE;
+        sweep.sum(first, acceleration.len(), |k, force| {
+            acceleration[k].0 = (force * (1.0 / m[first + k].0)).into();
         });
-        acceleration.0 = (force * (1.0 / m[i].0)).into();
     });
 }

@@ -7,6 +7,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::momentum::Momentum;
+use crate::lanes::Real;
 
 /// Which average of the two pressures drives a pair apart.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -22,7 +23,7 @@ pub enum PressureForm {
 /// The factor of −∇_iW_ij in the force on particle i (Pa m^(2d)).
 pub trait PressureAverage: 'static {
     /// Average for the pair i, j.
-    fn average<const D: usize>(i: &Momentum<D>, j: &Momentum<D>) -> f64;
+    fn average<const D: usize, R: Real>(i: &Momentum<D, R>, j: &Momentum<D, R>) -> R;
 }
 
 /// [`PressureForm::VolumeWeighted`].
@@ -30,7 +31,7 @@ pub struct VolumeWeighted;
 
 impl PressureAverage for VolumeWeighted {
     #[inline(always)]
-    fn average<const D: usize>(i: &Momentum<D>, j: &Momentum<D>) -> f64 {
+    fn average<const D: usize, R: Real>(i: &Momentum<D, R>, j: &Momentum<D, R>) -> R {
         i.pressure * (i.volume * i.volume) + j.pressure * (j.volume * j.volume)
     }
 }
@@ -40,7 +41,7 @@ pub struct DensityWeighted;
 
 impl PressureAverage for DensityWeighted {
     #[inline(always)]
-    fn average<const D: usize>(i: &Momentum<D>, j: &Momentum<D>) -> f64 {
+    fn average<const D: usize, R: Real>(i: &Momentum<D, R>, j: &Momentum<D, R>) -> R {
         let p_ij = (j.density * i.pressure + i.density * j.pressure) / (i.density + j.density);
         (i.volume * i.volume + j.volume * j.volume) * p_ij
     }

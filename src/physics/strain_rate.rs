@@ -13,10 +13,12 @@ use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::neighbours::{Neighbours, sum_pairs};
+use crate::kernels::SmoothingKernel;
+use crate::lanes::{Real, fields};
+use crate::neighbours::{Neighbours, Pair, PairTerm, Sweep};
 use crate::particles::{
-    Density, Fluid, GRAIN, Gather, Gathered, GhostVelocity, Mass, PIECE, Position, ShearRate, Slip, Solid, Vector,
-    Velocity, Volume, Wall, columns,
+    Density, Fluid, Gather, Gathered, GhostVelocity, Mass, PIECE, Position, ShearRate, Slip, Solid, Vector, Velocity,
+    Volume, Wall, columns,
 };
 use crate::scene::SceneSettings;
 
@@ -38,20 +40,49 @@ impl SceneSettings for StrainSettings {
     const NAME: &'static str = "strain_rate";
 }
 
-/// What ∇v needs of a particle.
-#[derive(Debug, Clone, Copy)]
-pub struct Flow<const D: usize> {
-    velocity: Vector<D>,
-    /// 0 for a wall with free slip, which does not enter ∇v.
-    volume: f64,
+fields! {
+    /// What ∇v needs of a particle.
+    pub struct Flow<D> {
+        velocity: Vector<D>,
+        /// 0 for a wall with free slip, which does not enter ∇v.
+        volume: f64,
+    }
 }
 
-pub(super) type Matrix<const D: usize> = [[f64; D]; D];
+pub(super) type Matrix<const D: usize, R = f64> = [[R; D]; D];
+
+/// L_i and K_i.
+struct VelocityGradient;
+
+impl<const D: usize> PairTerm<D> for VelocityGradient {
+    type State = Flow<D>;
+    type Sum = (Matrix<D>, Matrix<D>);
+
+    #[inline(always)]
+    fn fluid<R: Real>(
+        &self,
+        (l, k): &mut (Matrix<D, R>, Matrix<D, R>),
+        i: &Flow<D, R>,
+        j: &Flow<D, R>,
+        pair: &Pair<D, R>,
+    ) {
+        let v_ij = i.velocity - j.velocity;
+        let volume_grad_w = pair.grad_w() * j.volume;
+        for a in 0..D {
+            for b in 0..D {
+                l[a][b] -= v_ij.0[a] * volume_grad_w.0[b];
+                k[a][b] -= pair.r_ij.0[a] * volume_grad_w.0[b];
+            }
+        }
+    }
+}
+
 type Ghosts = (&'static Position, &'static GhostVelocity, &'static Volume, &'static Slip);
 
 /// Computes γ̇ of every fluid particle.
 pub fn strain_rate<const D: usize>(
     settings: Res<StrainSettings>,
+    kernel: Res<SmoothingKernel>,
     neighbours: Res<Neighbours>,
     mut gather: Local<Gather<D, Flow<D>>>,
     mut fluid: Query<(&Position, &Velocity, &Mass, &Density, &mut ShearRate), With<Fluid>>,
@@ -73,22 +104,12 @@ pub fn strain_rate<const D: usize>(
             state: Flow { velocity: v[i].0.into(), volume: m[i].0 / rho[i].0 },
         };
         let records = gather.fill(&neighbours.rows, own, walls, structures);
-        let out = shear_rate.bypass_change_detection().par_iter_mut().with_min_len(GRAIN).with_max_len(PIECE);
-        out.enumerate().for_each(|(i, shear_rate)| {
-            let own = &records[i];
-            let (mut l, mut k): (Matrix<D>, Matrix<D>) = ([[0.0; D]; D], [[0.0; D]; D]);
-            sum_pairs(own, neighbours.fluid.of(i), records, |other, pair| {
-                let v_ij = own.state.velocity - other.velocity;
-                let volume_grad_w = pair.grad_w() * other.volume;
-                for a in 0..D {
-                    for b in 0..D {
-                        l[a][b] -= v_ij.0[a] * volume_grad_w.0[b];
-                        k[a][b] -= pair.r_ij.0[a] * volume_grad_w.0[b];
-                    }
-                }
+        let sweep = Sweep::new(&neighbours, &*kernel.0, records, VelocityGradient);
+        shear_rate.bypass_change_detection().par_chunks_mut(PIECE).enumerate().for_each(|(piece, shear_rate)| {
+            sweep.sum(piece * PIECE, shear_rate.len(), |i, (l, k)| {
+                let l = if settings.gradient_correction { times_inverse(l, k, LEAST_DETERMINANT) } else { l };
+                shear_rate[i].0 = shear_rate_of(&l);
             });
-            let l = if settings.gradient_correction { times_inverse(l, k, LEAST_DETERMINANT) } else { l };
-            shear_rate.0 = shear_rate_of(&l);
         });
     }
     Ok(())

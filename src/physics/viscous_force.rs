@@ -10,6 +10,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::momentum::Momentum;
+use crate::lanes::Real;
 use crate::neighbours::Pair;
 use crate::particles::Vector;
 
@@ -27,7 +28,12 @@ pub enum ViscousForm {
 /// The viscous force on particle i from one pair (N; N/m in 2D).
 pub trait ViscousForce: 'static {
     /// Force for the pair i, j with mean viscosity `mu_ij` (Pa s).
-    fn force<const D: usize>(mu_ij: f64, i: &Momentum<D>, j: &Momentum<D>, pair: &Pair<D>) -> Vector<D>;
+    fn force<const D: usize, R: Real>(
+        mu_ij: R,
+        i: &Momentum<D, R>,
+        j: &Momentum<D, R>,
+        pair: &Pair<D, R>,
+    ) -> Vector<D, R>;
 }
 
 /// [`ViscousForm::Laplacian`].
@@ -35,7 +41,12 @@ pub struct LaplacianForm;
 
 impl ViscousForce for LaplacianForm {
     #[inline(always)]
-    fn force<const D: usize>(mu_ij: f64, i: &Momentum<D>, j: &Momentum<D>, pair: &Pair<D>) -> Vector<D> {
+    fn force<const D: usize, R: Real>(
+        mu_ij: R,
+        i: &Momentum<D, R>,
+        j: &Momentum<D, R>,
+        pair: &Pair<D, R>,
+    ) -> Vector<D, R> {
         let v_ij = i.velocity - j.velocity;
         v_ij * (mu_ij * (i.volume * i.volume + j.volume * j.volume) * pair.gradient)
     }
@@ -46,10 +57,15 @@ pub struct CentralForm;
 
 impl ViscousForce for CentralForm {
     #[inline(always)]
-    fn force<const D: usize>(mu_ij: f64, i: &Momentum<D>, j: &Momentum<D>, pair: &Pair<D>) -> Vector<D> {
+    fn force<const D: usize, R: Real>(
+        mu_ij: R,
+        i: &Momentum<D, R>,
+        j: &Momentum<D, R>,
+        pair: &Pair<D, R>,
+    ) -> Vector<D, R> {
         let v_ij = i.velocity - j.velocity;
-        let r_squared = pair.r_ij.dot(pair.r_ij).max(f64::MIN_POSITIVE);
-        let approach = (D as f64 + 2.0) * pair.r_ij.dot(v_ij) / r_squared;
+        let r_squared = pair.r_ij.dot(pair.r_ij) + f64::MIN_POSITIVE;
+        let approach = pair.r_ij.dot(v_ij) * (D as f64 + 2.0) / r_squared;
         pair.grad_w() * (mu_ij * (i.volume * i.volume + j.volume * j.volume) * approach)
     }
 }

@@ -25,7 +25,7 @@ use serde::{Deserialize, Serialize};
 
 use super::EquationOfState;
 use crate::kernels::SmoothingKernel;
-use crate::neighbours::{Neighbours, Pairs, Rows};
+use crate::neighbours::{Neighbours, Rows};
 use crate::particles::{
     Density, Fluid, GRAIN, PIECE, Position, ReferenceDensity, Solid, Velocity, Volume, Wall, WallVelocity, columns,
 };
@@ -52,6 +52,7 @@ pub struct ImpactPressure(pub f64);
 
 /// The ghosts of walls, then of structures, as the numbering of rows has them.
 struct Ghosts<'a> {
+    kernel: &'a SmoothingKernel,
     rows: &'a Rows,
     walls: GhostColumns<'a>,
     structures: GhostColumns<'a>,
@@ -69,29 +70,39 @@ struct Sums {
 }
 
 impl Ghosts<'_> {
-    fn sums(&self, x_i: DVec3, v_i: DVec3, pairs: Pairs<'_>) -> Sums {
+    fn sums(&self, x_i: DVec3, v_i: DVec3, near: &[u32]) -> Sums {
         let mut sums = Sums::default();
-        // Most particles are far from any wall: a look at the greatest row is fast.
-        if pairs.rows.iter().fold(0, |greatest, &row| row.max(greatest)) < self.rows.fluid as u32 {
-            return sums;
-        }
-        for (&row, &gradient) in pairs.rows.iter().zip(pairs.gradients) {
-            if (row as usize) < self.rows.fluid {
-                continue;
+        for rows in near.chunks(BATCH) {
+            let mut gradients = [0.0; BATCH];
+            let gradients = &mut gradients[..rows.len()];
+            for (&row, out) in rows.iter().zip(&mut *gradients) {
+                let ((x, ..), b) = self.find(row);
+                *out = x_i.distance_squared(x[b].0 + self.rows.shift(row));
             }
-            let Some(ghost) = self.rows.source(row).checked_sub(self.rows.fluid) else { continue };
-            let ((x, v_w, volume), b) = match ghost.checked_sub(self.rows.walls) {
-                None => (self.walls, ghost),
-                Some(s) => (self.structures, s),
-            };
-            let r_ib = x_i - (x[b].0 + self.rows.shift(row));
-            let volume_grad_w = r_ib * (gradient * volume[b].0);
-            sums.approach += (v_i - v_w[b].0).dot(volume_grad_w);
-            sums.fullness -= r_ib.dot(volume_grad_w);
+            self.kernel.0.gradients(gradients);
+            for (&row, &gradient) in rows.iter().zip(&*gradients) {
+                let ((x, v_w, volume), b) = self.find(row);
+                let r_ib = x_i - (x[b].0 + self.rows.shift(row));
+                let volume_grad_w = r_ib * (gradient * volume[b].0);
+                sums.approach += (v_i - v_w[b].0).dot(volume_grad_w);
+                sums.fullness -= r_ib.dot(volume_grad_w);
+            }
         }
         sums
     }
+
+    /// The table of the ghost in `row`, and its place there.
+    fn find(&self, row: u32) -> (GhostColumns<'_>, usize) {
+        let ghost = self.rows.source(row) - self.rows.fluid;
+        match ghost.checked_sub(self.rows.walls) {
+            None => (self.walls, ghost),
+            Some(s) => (self.structures, s),
+        }
+    }
 }
+
+/// Ghosts for which the kernel is evaluated in one call.
+const BATCH: usize = 64;
 
 /// Computes p^w of every fluid particle.
 pub fn wall_impact(
@@ -110,11 +121,12 @@ pub fn wall_impact(
     }
     let (dimension, h) = (resolution.dimension, resolution.smoothing_length);
     let [phi_0, phi_1] = *layers.get_or_insert_with(|| fullness_in_front(&kernel, &resolution));
-    let ghosts = Ghosts { rows: &neighbours.rows, walls: columns(&walls), structures: columns(&structures) };
+    let ghosts =
+        Ghosts { kernel: &kernel, rows: &neighbours.rows, walls: columns(&walls), structures: columns(&structures) };
     for (x, v, rho, rho0, mut impact) in fluid.contiguous_iter_mut()? {
         let out = impact.bypass_change_detection().par_iter_mut().with_min_len(GRAIN).with_max_len(PIECE);
         out.enumerate().for_each(|(i, impact)| {
-            let sums = ghosts.sums(x[i].0, v[i].0, neighbours.fluid.of(i));
+            let sums = ghosts.sums(x[i].0, v[i].0, neighbours.fluid.of(i).ghosts);
             let phi = sums.fullness / dimension as f64;
             let s = ((phi - phi_0) / (phi_1 - phi_0)).clamp(0.0, 1.0);
             let u = 2.0 * h * sums.approach.max(0.0);

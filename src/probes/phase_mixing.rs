@@ -33,16 +33,16 @@ impl Probe for PhaseMixing {
 }
 
 fn is_isolated(state: &State<'_>, i: usize) -> bool {
-    let (fluid, rows, pairs) = (&state.fluid, &state.neighbours.rows, state.neighbours.fluid.of(i));
+    let (fluid, rows) = (&state.fluid, &state.neighbours.rows);
     let (mut own, mut all) = (0.0, 0.0);
-    for (&row, &gradient) in pairs.rows.iter().zip(pairs.gradients) {
+    for &row in state.neighbours.fluid.of(i).fluid {
         let j = rows.source(row);
-        if j < rows.fluid {
-            let r_ij = fluid.position[i].0 - (fluid.position[j].0 + rows.shift(row));
-            let share = -fluid.volume(j) * gradient * r_ij.length_squared();
-            all += share;
-            own += if fluid.phase[j] == fluid.phase[i] { share } else { 0.0 };
-        }
+        let mut gradient = [fluid.position[i].0.distance_squared(fluid.position[j].0 + rows.shift(row))];
+        let r_squared = gradient[0];
+        state.kernel.0.gradients(&mut gradient);
+        let share = -fluid.volume(j) * gradient[0] * r_squared;
+        all += share;
+        own += if fluid.phase[j] == fluid.phase[i] { share } else { 0.0 };
     }
     own < LEAST_SHARE * all
 }

@@ -110,6 +110,18 @@ fn threads_agree_on_two_phases_moving_walls_structures_periodic_sides_and_probes
     }
 }
 
+/// The plain loops (one particle at a time, the formulas as they stand) are what the fast ones are measured against.
+#[test]
+fn fast_loops_give_the_bits_of_plain_ones() {
+    for dimension in [2, 3] {
+        let fast = stream(dimension);
+        let plain = fast.replace("neighbours: (", "neighbours: (loops: Plain, ");
+        assert_ne!(plain, fast);
+        let steps = if dimension == 2 { 300 } else { 60 };
+        assert!(bits(&plain, 1, steps) == bits(&fast, 2, steps), "plain and fast loops differ in {dimension}D");
+    }
+}
+
 /// Positions, velocities and densities by identity after `steps` steps of four eddies between periodic sides.
 fn eddies(dimension: usize, sort_every: u32, steps: u64) -> Vec<(u32, DVec3, DVec3, f64)> {
     let scene = periodic_box(dimension).replace("phases:", &format!("neighbours: (sort_every: {sort_every}), phases:"));

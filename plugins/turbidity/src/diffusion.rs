@@ -9,29 +9,52 @@
 use bevy_ecs::prelude::*;
 use rayon::prelude::*;
 use storegga::clock::{Clock, Limit};
-use storegga::neighbours::{Neighbours, sum_pairs};
-use storegga::particles::{Density, Fluid, Gather, Gathered, Mass, Position, Solid, Wall, columns};
+use storegga::kernels::SmoothingKernel;
+use storegga::lanes::{Real, fields};
+use storegga::neighbours::{Neighbours, Pair, PairTerm, Sweep};
+use storegga::particles::{Density, Fluid, Gather, Gathered, Mass, PIECE, Position, Solid, Wall, columns};
 use storegga::scene::Resolution;
 
 use crate::{FineSediment, TurbiditySection};
 
-/// What diffusion needs of a particle.
-#[derive(Debug, Clone, Copy)]
-pub struct Suspension {
-    /// c (kg/kg).
-    fraction: f64,
-    /// k = ρκ (kg/(m s)); 0 for walls and structures.
-    conductivity: f64,
-    /// V = m/ρ (m³; m² in 2D).
-    volume: f64,
+fields! {
+    /// What diffusion needs of a particle.
+    pub struct Suspension<D> {
+        /// c (kg/kg).
+        fraction: f64,
+        /// k = ρκ (kg/(m s)).
+        conductivity: f64,
+        /// V = m/ρ (m³; m² in 2D).
+        volume: f64,
+    }
+}
+
+/// `Σ_j [4 k_i k_j/(k_i + k_j)] V_i V_j (c_i − c_j) F_ij` (kg/s).
+struct Spreading;
+
+impl<const D: usize> PairTerm<D> for Spreading {
+    type State = Suspension<D>;
+    type Sum = f64;
+
+    #[inline(always)]
+    fn fluid<R: Real>(&self, sum: &mut R, i: &Suspension<D, R>, j: &Suspension<D, R>, pair: &Pair<D, R>) {
+        let k_ij = i.conductivity * j.conductivity * 4.0 / (i.conductivity + j.conductivity);
+        *sum += k_ij * i.volume * j.volume * (i.fraction - j.fraction) * pair.gradient;
+    }
+
+    /// Walls and structures let nothing through.
+    #[inline(always)]
+    fn ghost<R: Real>(&self, _: &mut R, _: &Suspension<D, R>, _: &Suspension<D, R>, _: &Pair<D, R>) {}
 }
 
 /// c ← c + Δt dc/dt. The plane z = 0 is a part of space: one system serves 2D and 3D.
+#[expect(clippy::too_many_arguments, reason = "the signature says what the system reads and writes")]
 pub fn spread(
     settings: Res<TurbiditySection>,
     clock: Res<Clock>,
+    kernel: Res<SmoothingKernel>,
     neighbours: Res<Neighbours>,
-    mut gather: Local<Gather<3, Suspension>>,
+    mut gather: Local<Gather<3, Suspension<3>>>,
     mut fluid: Query<(&Position, &Mass, &Density, &mut FineSediment), With<Fluid>>,
     walls: Query<&Position, With<Wall>>,
     structures: Query<&Position, With<Solid>>,
@@ -54,15 +77,10 @@ pub fn spread(
             },
         };
         let records = gather.fill(&neighbours.rows, own, walls, structures);
-        c.par_iter_mut().enumerate().for_each(|(i, c)| {
-            let own = &records[i];
-            let Suspension { fraction: c_i, conductivity: k_i, volume: v_i } = own.state;
-            let mut sum = 0.0;
-            sum_pairs(own, neighbours.fluid.of(i), records, |other, pair| {
-                let k_ij = 4.0 * k_i * other.conductivity / (k_i + other.conductivity);
-                sum += k_ij * v_i * other.volume * (c_i - other.fraction) * pair.gradient;
-            });
-            c.0 += clock.time_step * sum / m[i].0;
+        let sweep = Sweep::new(&neighbours, &*kernel.0, records, Spreading);
+        c.par_chunks_mut(PIECE).enumerate().for_each(|(piece, c)| {
+            let first = piece * PIECE;
+            sweep.sum(first, c.len(), |k, sum| c[k].0 += clock.time_step * sum / m[first + k].0);
         });
     }
     Ok(())

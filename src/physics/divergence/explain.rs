@@ -200,7 +200,7 @@ fn neighbours(world: &mut World, fluid: &[Particle], row: usize, names: &[String
     let structures = ghosts::<Solid>(world, true);
     let neighbours = world.resource::<Neighbours>();
     let rows = &neighbours.rows;
-    for &other in neighbours.fluid.of(row).rows {
+    for other in neighbours.fluid.of(row).rows() {
         let source = rows.source(other);
         let (kind, name, x, v, rho) = if source < rows.fluid {
             let other = &fluid[source];
@@ -214,7 +214,7 @@ fn neighbours(world: &mut World, fluid: &[Particle], row: usize, names: &[String
             ("structure", ghost.name.as_str(), ghost.x, ghost.v, ghost.rho)
         };
         let distance = fluid[row].x.distance(x + rows.shift(other));
-        if distance < radius {
+        if distance < radius && source != row {
             groups.add(kind, name, distance, rho, v.length());
         }
     }

@@ -1,0 +1,12 @@
+//! Numbers of pair terms: one particle at a time, or as many side by side as the processor has lanes.
+//!
+//! A pair term is written once, over [`Real`]. With `f64` it is the plain loop; with [`Lanes`] the same operations run in the
+//! same order for four particles at once. So both give the same bits, on every processor: lanes never mix, and nothing
+//! contracts `a·b + c`.
+
+mod fields;
+mod real;
+
+pub use fields::{Fields, fields};
+pub(crate) use real::vectorised;
+pub use real::{Lanes, Real};

@@ -1,0 +1,223 @@
+//! The loop over all pairs of the fluid: sums of pair terms.
+
+use pulp::{Simd, WithSimd};
+
+use super::clusters::{CLUSTER, ClusterList, Near};
+use super::{Neighbours, Pair};
+use crate::kernels::PairKernel;
+use crate::lanes::{Fields, Lanes, Real, vectorised};
+use crate::particles::{Gathered, Records, Vector};
+
+/// A sum over the neighbours of a fluid particle, as a stage writes it down: once, for numbers of any kind.
+pub trait PairTerm<const D: usize>: Sync {
+    /// What the term reads of a particle.
+    type State: Fields<With<f64> = Self::State>;
+    /// What it adds up.
+    type Sum: Fields<With<f64> = Self::Sum>;
+
+    /// Adds the pair of fluid particle i and fluid particle j.
+    fn fluid<R: Real>(
+        &self,
+        sum: &mut <Self::Sum as Fields>::With<R>,
+        i: &<Self::State as Fields>::With<R>,
+        j: &<Self::State as Fields>::With<R>,
+        pair: &Pair<D, R>,
+    );
+
+    /// Adds the pair of fluid particle i and ghost j of a wall or structure; like a fluid particle if not told otherwise.
+    #[inline(always)]
+    fn ghost<R: Real>(
+        &self,
+        sum: &mut <Self::Sum as Fields>::With<R>,
+        i: &<Self::State as Fields>::With<R>,
+        j: &<Self::State as Fields>::With<R>,
+        pair: &Pair<D, R>,
+    ) {
+        self.fluid(sum, i, j, pair);
+    }
+}
+
+/// Two terms in one sweep, which forms r_ij and the kernel once for both.
+impl<const D: usize, A: PairTerm<D>, B: PairTerm<D>> PairTerm<D> for (A, B) {
+    type State = (A::State, B::State);
+    type Sum = (A::Sum, B::Sum);
+
+    #[inline(always)]
+    fn fluid<R: Real>(
+        &self,
+        sum: &mut <Self::Sum as Fields>::With<R>,
+        i: &<Self::State as Fields>::With<R>,
+        j: &<Self::State as Fields>::With<R>,
+        pair: &Pair<D, R>,
+    ) {
+        self.0.fluid(&mut sum.0, &i.0, &j.0, pair);
+        self.1.fluid(&mut sum.1, &i.1, &j.1, pair);
+    }
+
+    #[inline(always)]
+    fn ghost<R: Real>(
+        &self,
+        sum: &mut <Self::Sum as Fields>::With<R>,
+        i: &<Self::State as Fields>::With<R>,
+        j: &<Self::State as Fields>::With<R>,
+        pair: &Pair<D, R>,
+    ) {
+        self.0.ghost(&mut sum.0, &i.0, &j.0, pair);
+        self.1.ghost(&mut sum.1, &i.1, &j.1, pair);
+    }
+}
+
+/// One sweep: a term, what it reads of every row, and the kernel.
+pub struct Sweep<'a, const D: usize, T: PairTerm<D>> {
+    neighbours: &'a Neighbours,
+    kernel: &'a dyn PairKernel,
+    records: Records<'a, D, T::State>,
+    term: T,
+}
+
+impl<'a, const D: usize, T: PairTerm<D>> Sweep<'a, D, T> {
+    /// The sweep of `term` over `records`.
+    pub fn new(
+        neighbours: &'a Neighbours,
+        kernel: &'a dyn PairKernel,
+        records: Records<'a, D, T::State>,
+        term: T,
+    ) -> Self {
+        Self { neighbours, kernel, records, term }
+    }
+
+    /// Adds up the term for `particles` fluid particles from row `first` on, which is a multiple of four: `write(k, sum)` is
+    /// given the sum of particle `first + k`.
+    pub fn sum(&self, first: usize, particles: usize, write: impl FnMut(usize, T::Sum)) {
+        let piece = Piece { sweep: self, first, end: first + particles, write };
+        if self.neighbours.plain_loops { piece.run(0.0) } else { vectorised(piece) }
+    }
+}
+
+/// A part of a sweep.
+struct Piece<'a, const D: usize, T: PairTerm<D>, W> {
+    sweep: &'a Sweep<'a, D, T>,
+    first: usize,
+    end: usize,
+    write: W,
+}
+
+impl<const D: usize, T: PairTerm<D>, W: FnMut(usize, T::Sum)> WithSimd for Piece<'_, D, T, W> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        self.run(Lanes::zero(simd));
+    }
+}
+
+/// Numbers r² or F in one call of the kernel.
+const BATCH: usize = 256;
+
+/// Most numbers that a term can add up.
+const MOST_SUMS: usize = 32;
+
+impl<const D: usize, T: PairTerm<D>, W: FnMut(usize, T::Sum)> Piece<'_, D, T, W> {
+    /// As many particles at once as `R` has lanes.
+    #[inline(always)]
+    fn run<R: Real>(mut self, zero: R) {
+        let list: &ClusterList = &self.sweep.neighbours.fluid;
+        let mut sums = [0.0; MOST_SUMS * CLUSTER];
+        for first in (self.first..self.end).step_by(R::LANES) {
+            let sum = self.of(zero, first, list.of(first));
+            T::Sum::each(
+                &sum,
+                #[inline(always)]
+                |k, lanes: R| lanes.write(&mut sums[k * R::LANES..]),
+            );
+            for lane in 0..R::LANES.min(self.end - first) {
+                (self.write)(
+                    first - self.first + lane,
+                    T::Sum::build(
+                        #[inline(always)]
+                        |k| sums[k * R::LANES + lane],
+                    ),
+                );
+            }
+        }
+    }
+
+    /// The sums of as many particles from row `first` on as there are lanes.
+    #[inline(always)]
+    fn of<R: Real>(&self, zero: R, first: usize, near: Near<'_>) -> <T::Sum as Fields>::With<R> {
+        let Sweep { kernel, records, term, .. } = self.sweep;
+        // Beyond the last particle lanes are filled with it; nobody reads their sums.
+        let own = |k: usize| {
+            let mut lanes = [0.0; CLUSTER];
+            for (lane, number) in lanes.iter_mut().enumerate().take(R::LANES) {
+                *number = records.row((first + lane).min(self.end - 1))[k];
+            }
+            zero.read(&lanes)
+        };
+        let x_i: Vector<D, R> = Vector(std::array::from_fn(own));
+        let i = T::State::build(
+            #[inline(always)]
+            |k| own(D + k),
+        );
+        let mut sum = T::Sum::build(
+            #[inline(always)]
+            |_| zero,
+        );
+        let mut batch = [0.0; BATCH];
+        for (rows, is_fluid) in [(near.fluid, true), (near.ghosts, false)] {
+            for rows in rows.chunks(BATCH / R::LANES) {
+                for (&row, out) in rows.iter().zip(batch.chunks_exact_mut(R::LANES)) {
+                    let r_ij = separation(zero, x_i, records.row(row as usize));
+                    r_ij.dot(r_ij).write(out);
+                }
+                kernel.gradients(&mut batch[..rows.len() * R::LANES]);
+                for (&row, gradient) in rows.iter().zip(batch.chunks_exact(R::LANES)) {
+                    let numbers = records.row(row as usize);
+                    let pair = Pair { r_ij: separation(zero, x_i, numbers), gradient: zero.read(gradient) };
+                    let j = T::State::build(
+                        #[inline(always)]
+                        |k| zero.like(numbers[D + k]),
+                    );
+                    if is_fluid {
+                        term.fluid(&mut sum, &i, &j, &pair);
+                    } else {
+                        term.ghost(&mut sum, &i, &j, &pair);
+                    }
+                }
+            }
+        }
+        sum
+    }
+}
+
+/// r_ij of the particles at `x_i` and the one whose record is `numbers`.
+#[inline(always)]
+fn separation<const D: usize, R: Real>(zero: R, x_i: Vector<D, R>, numbers: &[f64]) -> Vector<D, R> {
+    x_i - Vector(std::array::from_fn(
+        #[inline(always)]
+        |k| zero.like(numbers[k]),
+    ))
+}
+
+/// Calls `term(neighbour, pair)` for every pair of fluid particle `i`, one by one: for sums that are not made every step.
+pub fn sum_near<const D: usize, T: Fields<With<f64> = T>>(
+    i: &Gathered<D, T>,
+    near: Near<'_>,
+    records: Records<'_, D, T>,
+    kernel: &dyn PairKernel,
+    mut term: impl FnMut(&T, &Pair<D>),
+) {
+    let mut batch = [0.0; BATCH];
+    for rows in [near.fluid, near.ghosts].into_iter().flat_map(|rows| rows.chunks(BATCH)) {
+        let gradients = &mut batch[..rows.len()];
+        for (&row, out) in rows.iter().zip(&mut *gradients) {
+            let r_ij = separation(0.0, i.position, records.row(row as usize));
+            *out = r_ij.dot(r_ij);
+        }
+        kernel.gradients(gradients);
+        for (&row, &gradient) in rows.iter().zip(&*gradients) {
+            let j = records.get(row as usize);
+            term(&j.state, &Pair { r_ij: i.position - j.position, gradient });
+        }
+    }
+}
