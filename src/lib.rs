@@ -8,7 +8,7 @@
 //!
 //! | equation | file |
 //! |---|---|
-//! | 3, 4 kernel and its gradient | `kernels/quintic.rs`, `physics/pair_kernel.rs` |
+//! | 3, 4 kernel and its gradient | `kernels/quintic.rs`, `neighbours/sweep.rs`, `physics/pair_kernel.rs` |
 //! | 5 continuity | `physics/continuity.rs` |
 //! | 6 momentum | `physics/momentum.rs`, `physics/pressure_force.rs`, `physics/body_force.rs` |
 //! | 7–9 equation of state, sound speed | `physics/equation_of_state.rs` |

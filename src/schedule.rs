@@ -29,7 +29,7 @@ pub enum Stage {
     MoveBodies,
     /// Neighbour lists, when particles have moved far enough to need new ones.
     Neighbours,
-    /// ∇_iW_ij and W_ij of every listed pair (Eqs. 3, 4).
+    /// W_ij and ∇_iW_ij (Eqs. 3, 4) of every pair of a ghost and fluid; sweeps over the fluid evaluate ∇W as they go.
     PairKernel,
     /// Velocity of the ghosts, Eq. 16.
     GhostVelocity,

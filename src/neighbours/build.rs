@@ -38,9 +38,9 @@ pub struct NeighbourSettings {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum PairLoops {
-    /// One particle at a time, each stage by itself: the formulas as they stand.
+    /// One particle at a time: the formulas as they stand.
     Plain,
-    /// Four particles side by side, and stages that read the same pairs in one sweep.
+    /// Four particles side by side.
     #[default]
     Fast,
 }

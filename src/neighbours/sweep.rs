@@ -37,36 +37,6 @@ pub trait PairTerm<const D: usize>: Sync {
     }
 }
 
-/// Two terms in one sweep, which forms r_ij and the kernel once for both.
-impl<const D: usize, A: PairTerm<D>, B: PairTerm<D>> PairTerm<D> for (A, B) {
-    type State = (A::State, B::State);
-    type Sum = (A::Sum, B::Sum);
-
-    #[inline(always)]
-    fn fluid<R: Real>(
-        &self,
-        sum: &mut <Self::Sum as Fields>::With<R>,
-        i: &<Self::State as Fields>::With<R>,
-        j: &<Self::State as Fields>::With<R>,
-        pair: &Pair<D, R>,
-    ) {
-        self.0.fluid(&mut sum.0, &i.0, &j.0, pair);
-        self.1.fluid(&mut sum.1, &i.1, &j.1, pair);
-    }
-
-    #[inline(always)]
-    fn ghost<R: Real>(
-        &self,
-        sum: &mut <Self::Sum as Fields>::With<R>,
-        i: &<Self::State as Fields>::With<R>,
-        j: &<Self::State as Fields>::With<R>,
-        pair: &Pair<D, R>,
-    ) {
-        self.0.ghost(&mut sum.0, &i.0, &j.0, pair);
-        self.1.ghost(&mut sum.1, &i.1, &j.1, pair);
-    }
-}
-
 /// One sweep: a term, what it reads of every row, and the kernel.
 pub struct Sweep<'a, const D: usize, T: PairTerm<D>> {
     neighbours: &'a Neighbours,
@@ -86,9 +56,13 @@ impl<'a, const D: usize, T: PairTerm<D>> Sweep<'a, D, T> {
         Self { neighbours, kernel, records, term }
     }
 
-    /// Adds up the term for `particles` fluid particles from row `first` on, which is a multiple of four: `write(k, sum)` is
-    /// given the sum of particle `first + k`.
+    /// Adds up the term for `particles` fluid particles from row `first` on: `write(k, sum)` is given the sum of particle
+    /// `first + k`.
+    ///
+    /// # Panics
+    /// If `first` is no multiple of four.
     pub fn sum(&self, first: usize, particles: usize, write: impl FnMut(usize, T::Sum)) {
+        assert!(first.is_multiple_of(CLUSTER), "row {first} is not the first of a cluster");
         let piece = Piece { sweep: self, first, end: first + particles, write };
         if self.neighbours.plain_loops { piece.run(0.0) } else { vectorised(piece) }
     }
@@ -122,9 +96,10 @@ impl<const D: usize, T: PairTerm<D>, W: FnMut(usize, T::Sum)> Piece<'_, D, T, W>
     #[inline(always)]
     fn run<R: Real>(mut self, zero: R) {
         let list: &ClusterList = &self.sweep.neighbours.fluid;
-        let mut sums = [0.0; MOST_SUMS * CLUSTER];
+        const { assert!(<T::Sum as Fields>::COUNT <= MOST_SUMS) };
+        let (mut sums, mut batch) = ([0.0; MOST_SUMS * CLUSTER], [0.0; BATCH]);
         for first in (self.first..self.end).step_by(R::LANES) {
-            let sum = self.of(zero, first, list.of(first));
+            let sum = self.of(zero, first, list.of(first), &mut batch);
             T::Sum::each(
                 &sum,
                 #[inline(always)]
@@ -142,9 +117,15 @@ impl<const D: usize, T: PairTerm<D>, W: FnMut(usize, T::Sum)> Piece<'_, D, T, W>
         }
     }
 
-    /// The sums of as many particles from row `first` on as there are lanes.
+    /// The sums of as many particles from row `first` on as there are lanes; `batch` is scratch.
     #[inline(always)]
-    fn of<R: Real>(&self, zero: R, first: usize, near: Near<'_>) -> <T::Sum as Fields>::With<R> {
+    fn of<R: Real>(
+        &self,
+        zero: R,
+        first: usize,
+        near: Near<'_>,
+        batch: &mut [f64; BATCH],
+    ) -> <T::Sum as Fields>::With<R> {
         let Sweep { kernel, records, term, .. } = self.sweep;
         // Beyond the last particle lanes are filled with it; nobody reads their sums.
         let own = |k: usize| {
@@ -163,7 +144,6 @@ impl<const D: usize, T: PairTerm<D>, W: FnMut(usize, T::Sum)> Piece<'_, D, T, W>
             #[inline(always)]
             |_| zero,
         );
-        let mut batch = [0.0; BATCH];
         for (rows, is_fluid) in [(near.fluid, true), (near.ghosts, false)] {
             for rows in rows.chunks(BATCH / R::LANES) {
                 for (&row, out) in rows.iter().zip(batch.chunks_exact_mut(R::LANES)) {
@@ -199,7 +179,8 @@ fn separation<const D: usize, R: Real>(zero: R, x_i: Vector<D, R>, numbers: &[f6
     ))
 }
 
-/// Calls `term(neighbour, pair)` for every pair of fluid particle `i`, one by one: for sums that are not made every step.
+/// Calls `term(neighbour, pair)` for every pair of fluid particle `i` within the support, one by one: for sums that are not
+/// made every step.
 pub fn sum_near<const D: usize, T: Fields<With<f64> = T>>(
     i: &Gathered<D, T>,
     near: Near<'_>,
@@ -215,7 +196,7 @@ pub fn sum_near<const D: usize, T: Fields<With<f64> = T>>(
             *out = r_ij.dot(r_ij);
         }
         kernel.gradients(gradients);
-        for (&row, &gradient) in rows.iter().zip(&*gradients) {
+        for (&row, &gradient) in rows.iter().zip(&*gradients).filter(|(_, gradient)| **gradient != 0.0) {
             let j = records.get(row as usize);
             term(&j.state, &Pair { r_ij: i.position - j.position, gradient });
         }
