@@ -134,7 +134,7 @@ fn time_steps(world: &mut World, thread_count: usize) -> String {
         text,
         "  Δt               {} s, bound by {by} (Eq. 19)\n  \
          steps            {}\n  \
-         memory           {} ({} listed neighbours per fluid particle)\n  \
+         memory           {} ({} neighbours met by a fluid particle in a sweep)\n  \
          log              {}\n  \
          duration         {} on {}, assuming {} M updates/s\n",
         short(time_step),

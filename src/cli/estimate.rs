@@ -14,8 +14,8 @@ use crate::scene::{Resolution, bytes_of};
 /// Bytes of the program itself.
 const PROGRAM: f64 = 12e6;
 
-/// Time (s) of one thread for a listed pair in a step, all stages together.
-const SECONDS_PER_PAIR: f64 = 16e-9;
+/// Time (s) of one thread for a pair that a sweep meets, in a step, all stages together.
+const SECONDS_PER_PAIR: f64 = 10e-9;
 
 /// Bytes of a fluid particle in a frame of the log, compressed.
 const BYTES_PER_FRAME: f64 = 38.0;
@@ -49,16 +49,17 @@ impl Estimate {
         let interval = times.interval(OutputKind::Series).min(times.interval(OutputKind::Frames)).min(end_time);
         let steps = (end_time / interval * (interval / time_step).ceil()).ceil();
         let neighbours = world.resource::<Neighbours>();
-        let pairs = (neighbours.fluid.len() + neighbours.walls.len() + neighbours.structures.len()) as f64;
+        let fluid_pairs = neighbours.fluid.len() as f64;
+        let ghost_pairs = (neighbours.walls.len() + neighbours.structures.len()) as f64;
         let fluid = (counts.fluid as f64).max(1.0);
         let particles = (counts.fluid + counts.wall + counts.structure) as f64;
-        let updates_per_second = threads as f64 * fluid / (pairs * SECONDS_PER_PAIR);
+        let updates_per_second = threads as f64 * fluid / ((fluid_pairs + ghost_pairs) * SECONDS_PER_PAIR);
         let frames = end_time / world.resource::<OutputTimes>().interval(OutputKind::Frames) + 1.0;
         Self {
             limits,
             steps,
-            pairs_per_particle: neighbours.fluid.len() as f64 / fluid,
-            memory: PROGRAM + bytes_of(particles, pairs),
+            pairs_per_particle: fluid_pairs / fluid,
+            memory: PROGRAM + bytes_of(particles, fluid_pairs, ghost_pairs),
             log: frames * fluid * BYTES_PER_FRAME,
             updates_per_second,
             duration: steps * fluid / updates_per_second,

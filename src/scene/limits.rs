@@ -43,20 +43,27 @@ pub(crate) fn limit_particles((min, max): (DVec3, DVec3), resolution: &Resolutio
     ))
 }
 
-/// Bytes that a particle takes besides its pairs: its columns, the change ticks of each, the packed records of the
-/// sweeps, its place in the grid.
-const BYTES_PER_PARTICLE: f64 = 700.0;
+/// Bytes that a particle takes besides its pairs: its columns, the change ticks of each and their copies while they are
+/// re-sorted, the packed records of the sweeps, its place in the grid, its part of a frame of the log.
+const BYTES_PER_PARTICLE: f64 = 1100.0;
 
-/// Bytes of a listed pair: the neighbour's row and one kernel column.
-const BYTES_PER_PAIR: f64 = 12.0;
+/// Bytes of a pair that a sweep over the fluid meets: a quarter of the neighbour's row, since four particles share a list.
+const BYTES_PER_FLUID_PAIR: f64 = 1.0;
+
+/// Bytes of a pair of a ghost: the neighbour's row and one kernel column.
+const BYTES_PER_GHOST_PAIR: f64 = 12.0;
 
 /// Lists grow by doubling: on average a third of their memory is not in use.
 const SLACK: f64 = 1.5;
 
-/// Estimated bytes of so many particles with so many listed pairs.
-pub(crate) fn bytes_of(particles: f64, pairs: f64) -> f64 {
-    particles * BYTES_PER_PARTICLE + pairs * BYTES_PER_PAIR * SLACK
+/// Estimated bytes of so many particles with so many pairs of the fluid and of ghosts.
+pub(crate) fn bytes_of(particles: f64, fluid_pairs: f64, ghost_pairs: f64) -> f64 {
+    let pairs = fluid_pairs * BYTES_PER_FLUID_PAIR + ghost_pairs * BYTES_PER_GHOST_PAIR;
+    particles * BYTES_PER_PARTICLE + pairs * SLACK
 }
+
+/// A particle meets half as many neighbours again as it reaches: those of the three with which it shares a list.
+const MET: f64 = 1.5;
 
 /// What a scene is made of, in areas (m²) or volumes (m³).
 struct Contents {
@@ -110,7 +117,8 @@ impl Contents {
     /// Bytes that they take; ghosts have fluid on one side only.
     fn bytes(&self, spacing: f64) -> f64 {
         let [fluid, wall, structure] = self.particles(spacing);
-        bytes_of(fluid + wall + structure, (fluid + 0.5 * (wall + structure)) * self.neighbours)
+        let ghosts = wall + structure;
+        bytes_of(fluid + ghosts, MET * fluid * self.neighbours, 0.5 * ghosts * self.neighbours)
     }
 
     /// Refuses what needs more than `available` bytes at this spacing (m).
@@ -188,9 +196,9 @@ mod tests {
             layers: 4.0,
             neighbours: 268.0,
         };
-        // A cube of 1 m: 10⁶ particles, and 108³ − 10⁶ ghosts, each with 18 bytes a pair.
+        // A cube of 1 m: 10⁶ particles, which meet 402 others at 1.5 bytes, and 108³ − 10⁶ ghosts with 18 bytes a pair.
         let ghosts = 108.0_f64.powi(3) - 1e6;
-        let needed = 1e6 * (700.0 + 268.0 * 18.0) + ghosts * (700.0 + 134.0 * 18.0);
+        let needed = 1e6 * (1100.0 + 402.0 * 1.5) + ghosts * (1100.0 + 134.0 * 18.0);
         assert_eq!(contents.fit(0.01, needed * 1.001), Ok(()));
         let refused = contents.fit(0.01, needed / 8.0).map_err(|invalid| invalid.message).err().unwrap_or_default();
         let (_, coarser) = refused.split_once("a spacing of ").unwrap_or_default();
