@@ -3,6 +3,8 @@
 use std::fs::{File, Metadata, OpenOptions, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
+use std::thread;
+use std::time::Duration;
 
 use super::LogError;
 
@@ -44,9 +46,23 @@ impl Place {
 
 /// Whether another program is writing the log `file`; if not, nobody else does while `file` is open. Where locks are not known, as
 /// in some file systems of networks, nobody seems to.
+///
+/// A process that is being started holds what its parent had locked until its own program begins: so a lock counts only if it
+/// stays.
 pub(super) fn is_written(file: &File) -> bool {
-    matches!(file.try_lock(), Err(TryLockError::WouldBlock))
+    let is_locked = || matches!(file.try_lock(), Err(TryLockError::WouldBlock));
+    for _ in 0..LOOKS {
+        if !is_locked() {
+            return false;
+        }
+        thread::sleep(BETWEEN_LOOKS);
+    }
+    is_locked()
 }
+
+/// How often a lock is looked at before it counts, and how long apart.
+const LOOKS: u32 = 20;
+const BETWEEN_LOOKS: Duration = Duration::from_millis(10);
 
 /// Whether a program is writing a log at `path`.
 pub(crate) fn is_being_written(path: &Path) -> bool {
@@ -67,4 +83,25 @@ fn identity(data: &Metadata) -> Option<Identity> {
 #[cfg(not(unix))]
 fn identity(_: &Metadata) -> Option<Identity> {
     None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_lock_counts_only_if_it_stays() -> io::Result<()> {
+        let path = std::env::temp_dir().join(format!("storegga-lock-{}", std::process::id()));
+        let holder = File::create(&path)?;
+        holder.lock()?;
+        assert!(is_written(&File::open(&path)?), "the lock stays");
+        // As of a process that is being started.
+        let holder = thread::spawn(move || {
+            thread::sleep(2 * BETWEEN_LOOKS);
+            drop(holder);
+        });
+        assert!(!is_written(&File::open(&path)?), "the lock is gone after a moment");
+        assert!(holder.join().is_ok());
+        std::fs::remove_file(&path)
+    }
 }
