@@ -61,6 +61,8 @@ fn bench_stage_of<M>(
 ) {
     let (mut app, particles) = tank(overrides);
     let world = app.world_mut();
+    // A stage that is benched makes its sums by itself.
+    world.resource_mut::<physics::MidwaySums>().clear();
     let system = world.register_system(stage);
     bencher.counter(ItemsCount::new(particles)).bench_local(|| {
         assert!(black_box(world.run_system(system)).is_ok(), "a stage fails");
@@ -75,6 +77,12 @@ fn s1_pair_kernel(bencher: Bencher<'_, '_>) {
 #[divan::bench]
 fn s2_ghost_velocity(bencher: Bencher<'_, '_>) {
     bench_stage(bencher, physics::ghost_velocity);
+}
+
+/// What s3, s5 and s6 do when each does it alone, in one sweep.
+#[divan::bench]
+fn s3_midway_sums(bencher: Bencher<'_, '_>) {
+    bench_stage(bencher, physics::midway_sums::<2>);
 }
 
 #[divan::bench]

@@ -33,7 +33,9 @@ pub enum Stage {
     PairKernel,
     /// Velocity of the ghosts, Eq. 16.
     GhostVelocity,
-    /// Shear rate γ̇, Eq. 14.
+    /// ⟨∇β⟩, for the diffusion of Antuono et al. 2010.
+    CompressionGradient,
+    /// Shear rate γ̇, Eq. 14; in the same sweep the [sums](crate::physics::midway_sums) of later stages.
     StrainRate,
     /// Viscosity μ(γ̇) of each phase, Eq. 13: one system a registered rheology.
     Rheology,
@@ -116,6 +118,7 @@ pub(crate) fn init(app: &mut App) {
             S::Neighbours,
             S::PairKernel,
             S::GhostVelocity,
+            S::CompressionGradient,
             S::StrainRate,
             S::Rheology,
         )

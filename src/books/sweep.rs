@@ -18,6 +18,8 @@ fields! {
     /// What the books need of a particle.
     pub(super) struct Account<D> {
         momentum: Momentum<D>,
+        /// V.
+        volume: f64,
         /// v_w of a ghost.
         wall_velocity: Vector<D>,
         /// One of [`FLUID`], [`WALL`], [`STRUCTURE`].
@@ -36,7 +38,7 @@ fn ghosts<'a, const D: usize>(
 ) -> impl Fn(usize) -> Gathered<D, Account<D>> + Sync + Send + use<'a, D> {
     move |b: usize| {
         let momentum = Momentum::ghost(v[b], volume[b], rho[b], p[b], slip[b]);
-        let state = Account { momentum, wall_velocity: v_w[b].0.into(), table };
+        let state = Account { momentum, volume: volume[b].0, wall_velocity: v_w[b].0.into(), table };
         Gathered { position: x[b].0.into(), state }
     }
 }
@@ -56,7 +58,7 @@ pub(super) fn pair_forces<const D: usize>(
     let (x, v, m, rho, p, mu, impact): FluidColumns<'_> = columns(&fluid);
     let own = |i: usize| {
         let momentum = Momentum::fluid(v[i], m[i], rho[i], p[i], mu[i]);
-        let state = Account { momentum, wall_velocity: Vector::ZERO, table: FLUID };
+        let state = Account { momentum, volume: m[i].0 / rho[i].0, wall_velocity: Vector::ZERO, table: FLUID };
         Gathered { position: x[i].0.into(), state }
     };
     let records = gather.fill(&neighbours.rows, own, walls, structures);
@@ -82,27 +84,35 @@ fn tell_apart<const D: usize, P: PressureAverage, V: ViscousForce>(
             let (own, impact) = (&records.get(row), impact[row].0);
             let i = &own.state.momentum;
             let mut sums = ForceSums::<D>::default();
-            sum_near(own, neighbours.fluid.of(row), records, &*kernel.0, |other, pair| {
-                let j = &other.momentum;
-                let is_ghost = other.table != FLUID;
-                let mu_ij = if is_ghost { i.viscosity * j.viscosity } else { mean_viscosity(i.viscosity, j.viscosity) };
-                let (pressure, viscous) = forces_of::<D, f64, P, V>(mu_ij, i, j, pair);
-                let compression_of_i = i.pressure * i.volume * j.volume;
-                sums.viscous += viscous;
-                if !is_ghost {
-                    let compression = compression_of_i + j.pressure * i.volume * j.volume;
-                    sums.all += pressure + viscous;
-                    sums.volumes += pressure + pair.grad_w() * compression;
-                    return;
-                }
-                let impact = impact_force(impact, i, j, pair);
-                let ghost = pressure + pair.grad_w() * compression_of_i;
-                let force = pressure + viscous + impact;
-                sums.all += force;
-                sums.impact += impact;
-                sums.ghosts += ghost;
-                bodies.add(force, (viscous, impact, ghost), other);
-            });
+            sum_near(
+                own,
+                neighbours.fluid.of(row),
+                records,
+                &*kernel.0,
+                #[inline(always)]
+                |other, pair| {
+                    let j = &other.momentum;
+                    let is_ghost = other.table != FLUID;
+                    let mu_ij =
+                        if is_ghost { i.viscosity * j.viscosity } else { mean_viscosity(i.viscosity, j.viscosity) };
+                    let (pressure, viscous) = forces_of::<D, P, V>(mu_ij, i, j, pair);
+                    let compression_of_i = i.pressure * own.state.volume * other.volume;
+                    sums.viscous += viscous;
+                    if !is_ghost {
+                        let compression = compression_of_i + j.pressure * own.state.volume * other.volume;
+                        sums.all += pressure + viscous;
+                        sums.volumes += pressure + pair.grad_w() * compression;
+                        return;
+                    }
+                    let impact = impact_force(impact, i, j, pair);
+                    let ghost = pressure + pair.grad_w() * compression_of_i;
+                    let force = pressure + viscous + impact;
+                    sums.all += force;
+                    sums.impact += impact;
+                    sums.ghosts += ghost;
+                    bodies.add(force, (viscous, impact, ghost), other);
+                },
+            );
             *out = sums.into();
         }
     });

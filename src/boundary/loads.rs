@@ -103,13 +103,19 @@ fn sum_forces<const D: usize, P: PressureAverage, V: ViscousForce>(
         let own = &records.get(first + s);
         let solid = &own.state.momentum;
         let (mut pressure_force, mut viscous_force) = (Vector::ZERO, Vector::ZERO);
-        sum_pairs(own, neighbours.structures.of(s), records, |other, pair| {
-            let fluid = &other.momentum;
-            let mu_sf = solid.viscosity * fluid.viscosity;
-            let (pressure, viscous) = pair_forces::<D, f64, P, V>(mu_sf, solid, fluid, pair);
-            pressure_force += pressure + impact_force(other.impact, solid, fluid, pair);
-            viscous_force += viscous;
-        });
+        sum_pairs(
+            own,
+            neighbours.structures.of(s),
+            records,
+            #[inline(always)]
+            |other, pair| {
+                let fluid = &other.momentum;
+                let mu_sf = solid.viscosity * fluid.viscosity;
+                let (pressure, viscous) = pair_forces::<D, P, V>(mu_sf, solid, fluid, pair);
+                pressure_force += pressure + impact_force(other.impact, solid, fluid, pair);
+                viscous_force += viscous;
+            },
+        );
         *force = ForceOnParticle { pressure: pressure_force.into(), viscous: viscous_force.into() };
     });
 }

@@ -15,7 +15,8 @@ pub(super) fn structure(world: &mut World, name: &str) -> Result<(Shape, Structu
     if let Some((_, shape, structure)) = found {
         return Ok((shape.shape.clone(), *structure));
     }
-    let known: Vec<&str> = query.iter(world).map(|(body, ..)| body.name.as_str()).collect();
+    let mut known: Vec<&str> = query.iter(world).map(|(body, ..)| body.name.as_str()).collect();
+    known.sort_unstable();
     Err(unknown("structure", "structure", name, known))
 }
 

@@ -142,7 +142,8 @@ pub(super) fn find(world: &mut World, of: &str) -> Result<(Entity, usize), Inval
         let found = series.field(field).ok_or_else(|| unknown("of", &format!("field of `{name}`"), field, fields))?;
         return Ok((entity, found));
     }
-    let known: Vec<&str> = query.iter(world).map(|(_, series)| series.name.as_str()).collect();
+    let mut known: Vec<&str> = query.iter(world).map(|(_, series)| series.name.as_str()).collect();
+    known.sort_unstable();
     Err(unknown("of", "series", name, known))
 }
 

@@ -21,6 +21,22 @@ pub trait Real:
     /// How many numbers stand side by side: 1, 2 or 4.
     const LANES: usize;
 
+    /// `self · factor + addend` with one rounding.
+    #[must_use]
+    fn mul_add(self, factor: Self, addend: Self) -> Self;
+
+    /// Adds `a · b` with one rounding.
+    #[inline(always)]
+    fn add_product(&mut self, a: Self, b: Self) {
+        *self = a.mul_add(b, *self);
+    }
+
+    /// Subtracts `a · b` with one rounding.
+    #[inline(always)]
+    fn subtract_product(&mut self, a: Self, b: Self) {
+        *self = (-a).mul_add(b, *self);
+    }
+
     /// `value` in every lane.
     #[must_use]
     fn like(self, value: f64) -> Self;
@@ -35,6 +51,11 @@ pub trait Real:
 
 impl Real for f64 {
     const LANES: usize = 1;
+
+    #[inline(always)]
+    fn mul_add(self, factor: Self, addend: Self) -> Self {
+        f64::mul_add(self, factor, addend)
+    }
 
     #[inline(always)]
     fn like(self, value: f64) -> Self {
@@ -68,6 +89,11 @@ impl<S: Simd> Lanes<S> {
 
 impl<S: Simd> Real for Lanes<S> {
     const LANES: usize = S::F64_LANES;
+
+    #[inline(always)]
+    fn mul_add(self, factor: Self, addend: Self) -> Self {
+        Self { simd: self.simd, values: self.simd.mul_add_f64s(self.values, factor.values, addend.values) }
+    }
 
     #[inline(always)]
     fn like(self, value: f64) -> Self {
@@ -130,6 +156,13 @@ impl<S: Simd> SubAssign for Lanes<S> {
     fn sub_assign(&mut self, other: Self) {
         *self = *self - other;
     }
+}
+
+/// Runs `work`, written for one particle at a time, with the processor's instructions: where it can add a product with one
+/// rounding, [`Real::mul_add`] calls no function.
+#[inline]
+pub(crate) fn one_by_one(work: impl FnOnce()) {
+    Arch::new().dispatch(work);
 }
 
 /// Runs `work` with the lanes that the processor has, four at most: more would put particles side by side that have fewer

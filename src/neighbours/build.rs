@@ -118,6 +118,11 @@ impl Neighbours {
         self.travelled = f64::INFINITY;
     }
 
+    /// Whether pair loops run one particle at a time.
+    pub(crate) fn has_plain_loops(&self) -> bool {
+        self.plain_loops
+    }
+
     pub(super) fn sort_is_due(&self) -> bool {
         self.sort_every > 0 && self.builds.is_multiple_of(u64::from(self.sort_every))
     }

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::lanes::{Fields, Real};
+use crate::lanes::{Fields, Real, one_by_one};
 use crate::particles::{Gathered, PIECE, Records, Vector};
 
 /// Owners that share one piece of memory; lists are built and their kernels evaluated piece by piece in parallel.
@@ -154,8 +154,13 @@ pub fn sum_pairs<const D: usize, T: Fields<With<f64> = T>>(
     records: Records<'_, D, T>,
     mut term: impl FnMut(&T, &Pair<D>),
 ) {
-    for (&row, &gradient) in pairs.rows.iter().zip(pairs.gradients) {
-        let other = records.get(row as usize);
-        term(&other.state, &Pair { r_ij: own.position - other.position, gradient });
-    }
+    one_by_one(
+        #[inline(always)]
+        || {
+            for (&row, &gradient) in pairs.rows.iter().zip(pairs.gradients) {
+                let other = records.get(row as usize);
+                term(&other.state, &Pair { r_ij: own.position - other.position, gradient });
+            }
+        },
+    );
 }

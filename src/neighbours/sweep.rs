@@ -5,7 +5,7 @@ use pulp::{Simd, WithSimd};
 use super::clusters::{CLUSTER, ClusterList, Near};
 use super::{Neighbours, Pair};
 use crate::kernels::PairKernel;
-use crate::lanes::{Fields, Lanes, Real, vectorised};
+use crate::lanes::{Fields, Lanes, Real, one_by_one, vectorised};
 use crate::particles::{Gathered, Records, Vector};
 
 /// A sum over the neighbours of a fluid particle, as a stage writes it down: once, for numbers of any kind.
@@ -64,7 +64,14 @@ impl<'a, const D: usize, T: PairTerm<D>> Sweep<'a, D, T> {
     pub fn sum(&self, first: usize, particles: usize, write: impl FnMut(usize, T::Sum)) {
         assert!(first.is_multiple_of(CLUSTER), "row {first} is not the first of a cluster");
         let piece = Piece { sweep: self, first, end: first + particles, write };
-        if self.neighbours.plain_loops { piece.run(0.0) } else { vectorised(piece) }
+        if self.neighbours.plain_loops {
+            one_by_one(
+                #[inline(always)]
+                || piece.run(0.0),
+            );
+        } else {
+            vectorised(piece);
+        }
     }
 }
 
@@ -87,6 +94,9 @@ impl<const D: usize, T: PairTerm<D>, W: FnMut(usize, T::Sum)> WithSimd for Piece
 
 /// Numbers r² or F in one call of the kernel.
 const BATCH: usize = 256;
+
+/// The kernel is evaluated for so many numbers at once: those that nobody asked for are cheaper than a remainder.
+const WHOLE: usize = 16;
 
 /// Most numbers that a term can add up.
 const MOST_SUMS: usize = 32;
@@ -150,7 +160,7 @@ impl<const D: usize, T: PairTerm<D>, W: FnMut(usize, T::Sum)> Piece<'_, D, T, W>
                     let r_ij = separation(zero, x_i, records.row(row as usize));
                     r_ij.dot(r_ij).write(out);
                 }
-                kernel.gradients(&mut batch[..rows.len() * R::LANES]);
+                kernel.gradients(&mut batch[..(rows.len() * R::LANES).next_multiple_of(WHOLE)]);
                 for (&row, gradient) in rows.iter().zip(batch.chunks_exact(R::LANES)) {
                     let numbers = records.row(row as usize);
                     let pair = Pair { r_ij: separation(zero, x_i, numbers), gradient: zero.read(gradient) };
@@ -191,14 +201,19 @@ pub fn sum_near<const D: usize, T: Fields<With<f64> = T>>(
     let mut batch = [0.0; BATCH];
     for rows in [near.fluid, near.ghosts].into_iter().flat_map(|rows| rows.chunks(BATCH)) {
         let gradients = &mut batch[..rows.len()];
-        for (&row, out) in rows.iter().zip(&mut *gradients) {
-            let r_ij = separation(0.0, i.position, records.row(row as usize));
-            *out = r_ij.dot(r_ij);
-        }
-        kernel.gradients(gradients);
-        for (&row, &gradient) in rows.iter().zip(&*gradients).filter(|(_, gradient)| **gradient != 0.0) {
-            let j = records.get(row as usize);
-            term(&j.state, &Pair { r_ij: i.position - j.position, gradient });
-        }
+        one_by_one(
+            #[inline(always)]
+            || {
+                for (&row, out) in rows.iter().zip(&mut *gradients) {
+                    let r_ij = separation(0.0, i.position, records.row(row as usize));
+                    *out = r_ij.dot(r_ij);
+                }
+                kernel.gradients(gradients);
+                for (&row, &gradient) in rows.iter().zip(&*gradients).filter(|(_, gradient)| **gradient != 0.0) {
+                    let j = records.get(row as usize);
+                    term(&j.state, &Pair { r_ij: i.position - j.position, gradient });
+                }
+            },
+        );
     }
 }

@@ -25,9 +25,35 @@ impl<const D: usize, R: Real> Vector<D, R> {
     pub fn dot(self, other: Self) -> R {
         let mut sum = self.0[0] * other.0[0];
         for k in 1..D {
-            sum += self.0[k] * other.0[k];
+            sum.add_product(self.0[k], other.0[k]);
         }
         sum
+    }
+
+    /// a·b + c.
+    #[inline(always)]
+    #[must_use]
+    pub fn dot_plus(self, other: Self, mut addend: R) -> R {
+        for k in 0..D {
+            addend.add_product(self.0[k], other.0[k]);
+        }
+        addend
+    }
+
+    /// Subtracts `other · factor`.
+    #[inline(always)]
+    pub fn subtract_product(&mut self, other: Self, factor: R) {
+        for k in 0..D {
+            self.0[k].subtract_product(other.0[k], factor);
+        }
+    }
+
+    /// Adds `other · factor`.
+    #[inline(always)]
+    pub fn add_product(&mut self, other: Self, factor: R) {
+        for k in 0..D {
+            self.0[k].add_product(other.0[k], factor);
+        }
     }
 }
 

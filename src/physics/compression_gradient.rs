@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::DensityDiffusion;
-use super::strain_rate::{Matrix, times_inverse};
+use super::strain_rate::{Matrix, subtract_outer, symmetric, times_inverse};
 use crate::kernels::SmoothingKernel;
 use crate::lanes::{Real, fields};
 use crate::neighbours::{Neighbours, Pair, PairTerm, Sweep};
@@ -34,7 +34,7 @@ fields! {
     }
 }
 
-/// `Σ_j V_j (β_j − β_i) ∇_iW_ij` and K_i.
+/// `Σ_j V_j (β_j − β_i) ∇_iW_ij` and the upper triangle of K_i, which is symmetric.
 struct Slope;
 
 impl<const D: usize> PairTerm<D> for Slope {
@@ -44,18 +44,14 @@ impl<const D: usize> PairTerm<D> for Slope {
     #[inline(always)]
     fn fluid<R: Real>(
         &self,
-        ([slope], k): &mut ([[R; D]; 1], Matrix<D, R>),
+        (slope, k): &mut ([[R; D]; 1], Matrix<D, R>),
         i: &Filling<D, R>,
         j: &Filling<D, R>,
         pair: &Pair<D, R>,
     ) {
-        let volume_grad_w = pair.grad_w() * j.volume;
-        for b in 0..D {
-            slope[b] += (j.beta - i.beta) * volume_grad_w.0[b];
-            for (row, r) in k.iter_mut().zip(pair.r_ij.0) {
-                row[b] -= r * volume_grad_w.0[b];
-            }
-        }
+        let volume_grad_w = pair.r_ij * (pair.gradient * j.volume);
+        subtract_outer(slope, 0, Vector([i.beta - j.beta]), volume_grad_w);
+        subtract_outer(k, 1, pair.r_ij, volume_grad_w);
     }
 
     /// Walls and structures take no part.
@@ -96,7 +92,7 @@ pub fn compression_gradient<const D: usize>(
         gradient.bypass_change_detection().par_chunks_mut(PIECE).enumerate().for_each(|(piece, gradient)| {
             sweep.sum(piece * PIECE, gradient.len(), |i, (slope, k)| {
                 let trace: f64 = (0..D).map(|a| k[a][a]).sum();
-                let [corrected] = times_inverse(slope, k, LEAST_RATIO * (trace / D as f64).powi(D as i32));
+                let [corrected] = times_inverse(slope, symmetric(k), LEAST_RATIO * (trace / D as f64).powi(D as i32));
                 gradient[i].0 = Vector(corrected).into();
             });
         });

@@ -12,6 +12,8 @@ use bevy_ecs::prelude::*;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::MidwaySums;
+use super::midway::{position_midway, velocity_midway};
 use crate::clock::Clock;
 use crate::kernels::SmoothingKernel;
 use crate::lanes::{Real, fields};
@@ -24,13 +26,13 @@ use crate::particles::{
 fields! {
     /// What the continuity equation needs of a particle.
     pub struct Flux<D> {
-        velocity: Vector<D>,
-        volume: f64,
+        pub(super) velocity: Vector<D>,
+        pub(super) volume: f64,
     }
 }
 
 /// `Σ_j V_j v_ij·∇_iW_ij` (1/s).
-struct Continuity;
+pub(super) struct Continuity;
 
 impl<const D: usize> PairTerm<D> for Continuity {
     type State = Flux<D>;
@@ -39,7 +41,7 @@ impl<const D: usize> PairTerm<D> for Continuity {
     #[inline(always)]
     fn fluid<R: Real>(&self, sum: &mut R, i: &Flux<D, R>, j: &Flux<D, R>, pair: &Pair<D, R>) {
         let v_ij = i.velocity - j.velocity;
-        *sum += j.volume * v_ij.dot(pair.r_ij) * pair.gradient;
+        *sum = v_ij.dot_plus(pair.r_ij * (pair.gradient * j.volume), *sum);
     }
 }
 
@@ -49,6 +51,7 @@ type GhostColumns<'a> = (&'a [Position], &'a [WallVelocity], &'a [WallAccelerati
 /// Computes dρ/dt of every fluid particle.
 pub fn density_rate<const D: usize>(
     clock: Res<Clock>,
+    sums: Res<MidwaySums>,
     neighbours: Res<Neighbours>,
     kernel: Res<SmoothingKernel>,
     mut gather: Local<Gather<D, Flux<D>>>,
@@ -56,16 +59,19 @@ pub fn density_rate<const D: usize>(
     walls: Query<Ghosts, With<Wall>>,
     structures: Query<Ghosts, With<Solid>>,
 ) -> Result {
+    if sums.are_made() {
+        return Ok(());
+    }
     let half_step = 0.5 * clock.time_step;
-    let midway = |x: &Position, velocity: DVec3, volume| Gathered {
-        position: (x.0 - half_step * velocity).into(),
+    let midway = |x: Position, velocity: DVec3, volume| Gathered {
+        position: position_midway(half_step, x, velocity),
         state: Flux { velocity: velocity.into(), volume },
     };
     let [walls, structures] = [columns(&walls), columns(&structures)].map(|(x, v, a, volume): GhostColumns<'_>| {
-        move |b: usize| midway(&x[b], v[b].0 - half_step * a[b].0, volume[b].0)
+        move |b: usize| midway(x[b], velocity_midway(half_step, v[b], a[b]), volume[b].0)
     });
     for (x, v, m, rho, mut rate) in fluid.contiguous_iter_mut()? {
-        let records = gather.fill(&neighbours.rows, |i| midway(&x[i], v[i].0, m[i].0 / rho[i].0), walls, structures);
+        let records = gather.fill(&neighbours.rows, |i| midway(x[i], v[i].0, m[i].0 / rho[i].0), walls, structures);
         let sweep = Sweep::new(&neighbours, &*kernel.0, records, Continuity);
         rate.bypass_change_detection().par_chunks_mut(PIECE).enumerate().for_each(|(piece, rate)| {
             let first = piece * PIECE;

@@ -10,19 +10,23 @@
 //!   mean it falls, 0.15 and 0.12 %.)
 //! - Antuono et al. 2010: `s_i = ⟨∇β⟩_i`, the slope that there is ([`CompressionGradient`]). What pressure the flow itself has
 //!   does not diffuse either, as that of a drum which turns; it costs one sweep more.
+//!
+//! Positions are those of the middle of the drift, where the sum can be made with others ([`midway_sums`](super::midway_sums)).
 
 use bevy_ecs::prelude::*;
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{CompressionGradient, EquationOfState, Gravity};
+use super::midway::position_midway;
+use super::{CompressionGradient, EquationOfState, Gravity, MidwaySums};
+use crate::clock::Clock;
 use crate::kernels::SmoothingKernel;
 use crate::lanes::{Real, fields};
 use crate::neighbours::{Neighbours, Pair, PairTerm, Sweep};
 use crate::particles::{
-    Density, DensityRate, Fluid, Gather, Gathered, Mass, PIECE, Position, ReferenceDensity, Solid, Vector, Wall,
-    columns,
+    Density, DensityRate, Fluid, GRAIN, Gather, Gathered, Mass, PIECE, Position, ReferenceDensity, Solid, Vector,
+    Velocity, Wall, columns,
 };
 use crate::scene::{Resolution, SceneSettings};
 
@@ -66,15 +70,15 @@ fields! {
     /// What the diffusion needs of a particle.
     pub struct Compression<D> {
         /// β = ρ/ρ0.
-        beta: f64,
+        pub(super) beta: f64,
         /// s (1/m), the slope of β that does not diffuse.
-        slope: Vector<D>,
-        volume: f64,
+        pub(super) slope: Vector<D>,
+        pub(super) volume: f64,
     }
 }
 
 /// `Σ_j V_j ψ_ij (r_ij·∇_iW_ij)/r²` (1/m²).
-struct Diffusion;
+pub(super) struct Diffusion;
 
 impl<const D: usize> PairTerm<D> for Diffusion {
     type State = Compression<D>;
@@ -82,8 +86,9 @@ impl<const D: usize> PairTerm<D> for Diffusion {
 
     #[inline(always)]
     fn fluid<R: Real>(&self, sum: &mut R, i: &Compression<D, R>, j: &Compression<D, R>, pair: &Pair<D, R>) {
-        let psi_ij = i.beta - j.beta - (i.slope + j.slope).dot(pair.r_ij) * 0.5;
-        *sum += j.volume * psi_ij * pair.gradient;
+        let mut psi_ij = i.beta - j.beta;
+        psi_ij.subtract_product((i.slope + j.slope).dot(pair.r_ij), pair.gradient.like(0.5));
+        sum.add_product(psi_ij, pair.gradient * j.volume);
     }
 
     /// Walls and structures take no part.
@@ -93,6 +98,7 @@ impl<const D: usize> PairTerm<D> for Diffusion {
 
 type FluidState = (
     &'static Position,
+    &'static Velocity,
     &'static Mass,
     &'static Density,
     &'static ReferenceDensity,
@@ -100,12 +106,50 @@ type FluidState = (
     &'static mut DensityRate,
 );
 
+/// δ, and what the slope s follows from.
+pub(super) struct Strength<const D: usize> {
+    delta: f64,
+    g_over_b: Vector<D>,
+    /// 1 if s is the slope that there is, else 0.
+    own_slope: f64,
+}
+
+impl<const D: usize> Strength<D> {
+    pub fn of(diffusion: &DensityDiffusion, gravity: &Gravity, state: &EquationOfState) -> Self {
+        let none = Self { delta: 0.0, g_over_b: Vector::ZERO, own_slope: 0.0 };
+        match *diffusion {
+            DensityDiffusion::Off => none,
+            DensityDiffusion::Molteni { delta } => Self { delta, ..none },
+            DensityDiffusion::Hydrostatic { delta } => {
+                Self { delta, g_over_b: Vector::from(gravity.now) * (1.0 / state.bulk_modulus), ..none }
+            }
+            DensityDiffusion::Antuono { delta } => Self { delta, own_slope: 1.0, ..none },
+        }
+    }
+
+    /// β, s and V of a fluid particle.
+    #[inline(always)]
+    pub fn compression(
+        &self,
+        m: Mass,
+        rho: Density,
+        rho0: ReferenceDensity,
+        gradient: CompressionGradient,
+    ) -> Compression<D> {
+        Compression {
+            beta: rho.0 / rho0.0,
+            slope: self.g_over_b * rho0.0 + Vector::from(gradient.0) * self.own_slope,
+            volume: m.0 / rho.0,
+        }
+    }
+}
+
 /// Adds D_i to dρ/dt of every fluid particle.
 pub fn density_diffusion<const D: usize>(
-    diffusion: Res<DensityDiffusion>,
-    resolution: Res<Resolution>,
-    state: Res<EquationOfState>,
-    gravity: Res<Gravity>,
+    clock: Res<Clock>,
+    sums: Res<MidwaySums>,
+    (diffusion, gravity): (Res<DensityDiffusion>, Res<Gravity>),
+    (resolution, state): (Res<Resolution>, Res<EquationOfState>),
     kernel: Res<SmoothingKernel>,
     neighbours: Res<Neighbours>,
     mut gather: Local<Gather<D, Compression<D>>>,
@@ -113,35 +157,35 @@ pub fn density_diffusion<const D: usize>(
     walls: Query<&Position, With<Wall>>,
     structures: Query<&Position, With<Solid>>,
 ) -> Result {
-    let (delta, gravity, own_slope) = match *diffusion {
-        DensityDiffusion::Off => return Ok(()),
-        DensityDiffusion::Molteni { delta } => (delta, Vector::ZERO, 0.0),
-        DensityDiffusion::Hydrostatic { delta } => (delta, Vector::<D>::from(gravity.now), 0.0),
-        DensityDiffusion::Antuono { delta } => (delta, Vector::ZERO, 1.0),
+    if *diffusion == DensityDiffusion::Off {
+        return Ok(());
+    }
+    let strength = Strength::of(&diffusion, &gravity, &state);
+    let rate_of = |rho0_i: f64, sum: f64| {
+        let c_i = state.sound_speed(rho0_i);
+        2.0 * strength.delta * resolution.smoothing_length * c_i * rho0_i * sum
     };
-    let g_over_b = gravity * (1.0 / state.bulk_modulus);
+    let half_step = 0.5 * clock.time_step;
     let [walls, structures] = [columns(&walls), columns(&structures)].map(|x: &[Position]| {
         let state = Compression { beta: 1.0, slope: Vector::ZERO, volume: 0.0 };
         move |b: usize| Gathered { position: x[b].0.into(), state }
     });
-    for (x, m, rho, rho0, gradient, mut rate) in fluid.contiguous_iter_mut()? {
+    for (x, v, m, rho, rho0, gradient, mut rate) in fluid.contiguous_iter_mut()? {
+        let rate = rate.bypass_change_detection();
+        if let Some(sums) = sums.diffusion() {
+            let each = rate.par_iter_mut().zip(rho0).zip(sums).with_min_len(GRAIN).with_max_len(PIECE);
+            each.for_each(|((rate, rho0), sum)| rate.0 += rate_of(rho0.0, *sum));
+            continue;
+        }
         let own = |i: usize| Gathered {
-            position: x[i].0.into(),
-            state: Compression {
-                beta: rho[i].0 / rho0[i].0,
-                slope: g_over_b * rho0[i].0 + Vector::from(gradient[i].0) * own_slope,
-                volume: m[i].0 / rho[i].0,
-            },
+            position: position_midway(half_step, x[i], v[i].0),
+            state: strength.compression(m[i], rho[i], rho0[i], gradient[i]),
         };
         let records = gather.fill(&neighbours.rows, own, walls, structures);
         let sweep = Sweep::new(&neighbours, &*kernel.0, records, Diffusion);
-        rate.bypass_change_detection().par_chunks_mut(PIECE).enumerate().for_each(|(piece, rate)| {
+        rate.par_chunks_mut(PIECE).enumerate().for_each(|(piece, rate)| {
             let first = piece * PIECE;
-            sweep.sum(first, rate.len(), |k, sum| {
-                let rho0_i = rho0[first + k].0;
-                let c_i = state.sound_speed(rho0_i);
-                rate[k].0 += 2.0 * delta * resolution.smoothing_length * c_i * rho0_i * sum;
-            });
+            sweep.sum(first, rate.len(), |k, sum| rate[k].0 += rate_of(rho0[first + k].0, sum));
         });
     }
     Ok(())

@@ -20,10 +20,10 @@ use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::EquationOfState;
+use super::{EquationOfState, MidwaySums};
 use crate::kernels::SmoothingKernel;
 use crate::lanes::Real;
-use crate::neighbours::{Near, Neighbours, Pair, PairTerm, Sweep};
+use crate::neighbours::{CLUSTER, Near, Neighbours, Pair, PairTerm, Sweep};
 use crate::particles::{
     Density, Fluid, Gather, Gathered, Mass, PIECE, Position, Pressure, Records, ReferenceDensity, Solid, Volume, Wall,
     columns,
@@ -49,9 +49,13 @@ impl SceneSettings for FreeSurface {
 /// φ of a point on a flat surface: below it a particle is detached.
 pub(crate) const LEAST_FILLING: f64 = 0.5;
 
+/// A particle with more than this φ in the middle of the drift is not detached at its end.
+const CLEAR_FILLING: f64 = 0.58;
+
 /// Sets density and pressure of every fluid particle that is detached.
 pub fn free_surface<const D: usize>(
     setting: Res<FreeSurface>,
+    sums: Res<MidwaySums>,
     kernel: Res<SmoothingKernel>,
     state: Res<EquationOfState>,
     neighbours: Res<Neighbours>,
@@ -66,30 +70,42 @@ pub fn free_surface<const D: usize>(
     let [walls, structures] = [columns(&walls), columns(&structures)].map(|(x, volume): (&[Position], &[Volume])| {
         move |b: usize| Gathered { position: x[b].0.into(), state: volume[b].0 }
     });
+    // In half a step φ does not change by as much as the margin.
+    let is_clear = |filled: &f64| *filled > CLEAR_FILLING * D as f64;
     for (x, m, rho0, mut rho, mut p) in fluid.contiguous_iter_mut()? {
+        if sums.filling().is_some_and(|filling| filling.iter().all(is_clear)) {
+            continue;
+        }
         let (rho, p) = (rho.bypass_change_detection(), p.bypass_change_detection());
         let own = |i: usize| Gathered { position: x[i].0.into(), state: m[i].0 / rho[i].0 };
         let records = gather.fill(&neighbours.rows, own, walls, structures);
         let sweep = Sweep::new(&neighbours, &*kernel.0, records, Filling);
         (rho.par_chunks_mut(PIECE), p.par_chunks_mut(PIECE)).into_par_iter().enumerate().for_each(
             |(piece, (rho, p))| {
-                let first = piece * PIECE;
-                sweep.sum(first, rho.len(), |k, filled| {
-                    let i = first + k;
+                let mut settle = |i: usize, filled: f64| {
                     if filled < LEAST_FILLING * D as f64 {
                         let sum = kernel_sum(i, neighbours.fluid.of(i), records, &kernel);
+                        let k = i - piece * PIECE;
                         rho[k].0 = rho0[i].0 * sum.max(1.0);
                         p[k].0 = state.pressure(rho[k].0, rho0[i].0);
                     }
-                });
+                };
+                let rows = piece * PIECE..x.len().min((piece + 1) * PIECE);
+                for first in rows.clone().step_by(CLUSTER) {
+                    let particles = CLUSTER.min(rows.end - first);
+                    let known = sums.filling().map(|filling| &filling[first..first + particles]);
+                    if !known.is_some_and(|known| known.iter().all(is_clear)) {
+                        sweep.sum(first, particles, |k, sum| settle(first + k, -sum));
+                    }
+                }
             },
         );
     }
     Ok(())
 }
 
-/// `d φ_i = −Σ_j V_j r_ij·∇_iW_ij` of volumes.
-struct Filling;
+/// `−d φ_i = Σ_j V_j r_ij·∇_iW_ij` of volumes.
+pub(super) struct Filling;
 
 impl<const D: usize> PairTerm<D> for Filling {
     type State = f64;
@@ -97,7 +113,8 @@ impl<const D: usize> PairTerm<D> for Filling {
 
     #[inline(always)]
     fn fluid<R: Real>(&self, sum: &mut R, _: &R, volume_j: &R, pair: &Pair<D, R>) {
-        *sum -= *volume_j * pair.gradient * pair.r_ij.dot(pair.r_ij);
+        let volume_grad_w = pair.r_ij * (pair.gradient * *volume_j);
+        *sum = pair.r_ij.dot_plus(volume_grad_w, *sum);
     }
 }
 

@@ -40,8 +40,8 @@ fields! {
     pub struct Momentum<D> {
         /// v, or v_b of a ghost (m/s).
         pub velocity: Vector<D>,
-        /// V (m³; m² in 2D).
-        pub volume: f64,
+        /// V² (m⁶; m⁴ in 2D).
+        pub squared_volume: f64,
         /// ρ (kg/m³).
         pub density: f64,
         /// p (Pa).
@@ -57,7 +57,8 @@ impl<const D: usize> Momentum<D> {
     #[inline(always)]
     #[must_use]
     pub fn fluid(v: Velocity, m: Mass, rho: Density, p: Pressure, mu: Viscosity) -> Self {
-        Self { velocity: v.0.into(), volume: m.0 / rho.0, density: rho.0, pressure: p.0, viscosity: mu.0 }
+        let volume = m.0 / rho.0;
+        Self { velocity: v.0.into(), squared_volume: volume * volume, density: rho.0, pressure: p.0, viscosity: mu.0 }
     }
 
     /// What a ghost of a wall or structure brings: v_b, V, ρ, p, and how the fluid slips along it.
@@ -65,37 +66,61 @@ impl<const D: usize> Momentum<D> {
     #[must_use]
     pub fn ghost(v: GhostVelocity, volume: Volume, rho: Density, p: Pressure, slip: Slip) -> Self {
         let viscosity = if slip == Slip::FreeSlip { 0.0 } else { 1.0 };
-        Self { velocity: v.0.into(), volume: volume.0, density: rho.0, pressure: p.0, viscosity }
+        let squared_volume = volume.0 * volume.0;
+        Self { velocity: v.0.into(), squared_volume, density: rho.0, pressure: p.0, viscosity }
     }
 }
 
 /// μ̄_ij = 2 μ_i μ_j/(μ_i + μ_j) (Pa s) of two fluid particles.
 #[inline(always)]
 pub(crate) fn mean_viscosity<R: Real>(mu_i: R, mu_j: R) -> R {
-    mu_i * mu_j * 2.0 / (mu_i + mu_j + f64::MIN_POSITIVE)
+    (mu_i * 2.0) * mu_j / ((mu_i + f64::MIN_POSITIVE) + mu_j)
 }
 
-/// (Pressure force, viscous force) on particle i from particle j, with mean viscosity `mu_ij`.
+/// Adds the pressure force on particle i from particle j.
 #[inline(always)]
-pub(crate) fn pair_forces<const D: usize, R: Real, P: PressureAverage, V: ViscousForce>(
-    mu_ij: R,
+fn add_pressure<const D: usize, R: Real, P: PressureAverage>(
+    force: &mut Vector<D, R>,
     i: &Momentum<D, R>,
     j: &Momentum<D, R>,
     pair: &Pair<D, R>,
-) -> (Vector<D, R>, Vector<D, R>) {
-    (pair.grad_w() * -P::average(i, j), V::force(mu_ij, i, j, pair))
+) {
+    force.subtract_product(pair.r_ij, P::average(i, j) * pair.gradient);
 }
 
-/// The force with which the impact pressure `impact` = p^w (Pa) between a fluid particle and a ghost drives i from j. It
+/// Adds the force with which the impact pressure `impact` = p^w (Pa) between a fluid particle and a ghost drives i from j. It
 /// counts as a pressure of both: either average of `p + p^w` is that of p, and p^w (V_i² + V_j²).
 #[inline(always)]
-pub(crate) fn impact_force<const D: usize, R: Real>(
+fn add_impact<const D: usize, R: Real>(
+    force: &mut Vector<D, R>,
     impact: R,
     i: &Momentum<D, R>,
     j: &Momentum<D, R>,
     pair: &Pair<D, R>,
-) -> Vector<D, R> {
-    pair.grad_w() * -(impact * (i.volume * i.volume + j.volume * j.volume))
+) {
+    force.subtract_product(pair.r_ij, impact * (i.squared_volume + j.squared_volume) * pair.gradient);
+}
+
+/// (Pressure force, viscous force) on particle i from particle j, with mean viscosity `mu_ij`.
+#[inline(always)]
+pub(crate) fn pair_forces<const D: usize, P: PressureAverage, V: ViscousForce>(
+    mu_ij: f64,
+    i: &Momentum<D>,
+    j: &Momentum<D>,
+    pair: &Pair<D>,
+) -> (Vector<D>, Vector<D>) {
+    let (mut pressure, mut viscous) = (Vector::ZERO, Vector::ZERO);
+    add_pressure::<D, f64, P>(&mut pressure, i, j, pair);
+    V::add_to(&mut viscous, mu_ij, i, j, pair);
+    (pressure, viscous)
+}
+
+/// The force of the impact pressure `impact` (Pa) on particle i from particle j.
+#[inline(always)]
+pub(crate) fn impact_force<const D: usize>(impact: f64, i: &Momentum<D>, j: &Momentum<D>, pair: &Pair<D>) -> Vector<D> {
+    let mut force = Vector::ZERO;
+    add_impact(&mut force, impact, i, j, pair);
+    force
 }
 
 fields! {
@@ -118,15 +143,16 @@ impl<const D: usize, P: PressureAverage, V: ViscousForce> PairTerm<D> for Forces
     #[inline(always)]
     fn fluid<R: Real>(&self, sum: &mut Vector<D, R>, i: &Contact<D, R>, j: &Contact<D, R>, pair: &Pair<D, R>) {
         let mu_ij = mean_viscosity(i.momentum.viscosity, j.momentum.viscosity);
-        let (pressure, viscous) = pair_forces::<D, R, P, V>(mu_ij, &i.momentum, &j.momentum, pair);
-        *sum += pressure + viscous;
+        add_pressure::<D, R, P>(sum, &i.momentum, &j.momentum, pair);
+        V::add_to(sum, mu_ij, &i.momentum, &j.momentum, pair);
     }
 
     #[inline(always)]
     fn ghost<R: Real>(&self, sum: &mut Vector<D, R>, i: &Contact<D, R>, b: &Contact<D, R>, pair: &Pair<D, R>) {
         let mu_ib = i.momentum.viscosity * b.momentum.viscosity;
-        let (pressure, viscous) = pair_forces::<D, R, P, V>(mu_ib, &i.momentum, &b.momentum, pair);
-        *sum += pressure + impact_force(i.impact, &i.momentum, &b.momentum, pair) + viscous;
+        add_pressure::<D, R, P>(sum, &i.momentum, &b.momentum, pair);
+        add_impact(sum, i.impact, &i.momentum, &b.momentum, pair);
+        V::add_to(sum, mu_ib, &i.momentum, &b.momentum, pair);
     }
 }
 

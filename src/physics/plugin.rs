@@ -9,10 +9,10 @@ use super::divergence::{OutOfRange, explain_divergence};
 use super::equation_of_state::advance_state;
 use super::integration::kick;
 use super::{
-    CompressionGradient, DensityDiffusion, Divergence, FreeSurface, Gravity, ImpactPressure, MomentumSettings,
-    Settling, StateSettings, StrainSettings, TimeStepSettings, WallImpact, compression_gradient, density_diffusion,
-    density_rate, drift, free_surface, ghost_pressure, ghost_velocity, momentum, next_time_step, pair_kernel,
-    strain_rate, wall_impact,
+    CompressionGradient, DensityDiffusion, Divergence, FreeSurface, Gravity, ImpactPressure, MidwaySums,
+    MomentumSettings, Settling, StateSettings, StrainSettings, TimeStepSettings, WallImpact, compression_gradient,
+    density_diffusion, density_rate, drift, free_surface, ghost_pressure, ghost_velocity, midway_sums, momentum,
+    next_time_step, pair_kernel, strain_rate, wall_impact,
 };
 use crate::app::StoreggaApp;
 use crate::schedule::Stage;
@@ -23,6 +23,7 @@ pub struct PhysicsPlugin;
 impl Plugin for PhysicsPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<Divergence>().init_resource::<OutOfRange>().init_resource::<Gravity>();
+        app.init_resource::<MidwaySums>().register_rebuilt::<MidwaySums>();
         // A run that has diverged ends: between two steps there is nothing to save.
         app.register_rebuilt::<Divergence>().register_rebuilt::<OutOfRange>().register_saved::<Gravity>();
         app.register_scene_section::<StateSettings>()
@@ -43,13 +44,14 @@ impl Plugin for PhysicsPlugin {
             .set_stage(Stage::Drift, drift, drift)
             .set_stage(Stage::PairKernel, pair_kernel::<2>, pair_kernel::<3>)
             .set_stage(Stage::GhostVelocity, ghost_velocity, ghost_velocity)
-            .set_stage(Stage::StrainRate, strain_rate::<2>, strain_rate::<3>)
-            .set_stage(Stage::Continuity, density_rate::<2>, density_rate::<3>)
+            .set_stage(Stage::CompressionGradient, compression_gradient::<2>, compression_gradient::<3>)
             .set_stage(
-                Stage::Diffusion,
-                (compression_gradient::<2>, density_diffusion::<2>).chain(),
-                (compression_gradient::<3>, density_diffusion::<3>).chain(),
+                Stage::StrainRate,
+                (midway_sums::<2>, strain_rate::<2>).chain(),
+                (midway_sums::<3>, strain_rate::<3>).chain(),
             )
+            .set_stage(Stage::Continuity, density_rate::<2>, density_rate::<3>)
+            .set_stage(Stage::Diffusion, density_diffusion::<2>, density_diffusion::<3>)
             .set_stage(Stage::State, advance_state, advance_state)
             .set_stage(Stage::FreeSurface, free_surface::<2>, free_surface::<3>)
             .set_stage(Stage::GhostPressure, ghost_pressure, ghost_pressure)

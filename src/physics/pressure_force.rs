@@ -32,7 +32,7 @@ pub struct VolumeWeighted;
 impl PressureAverage for VolumeWeighted {
     #[inline(always)]
     fn average<const D: usize, R: Real>(i: &Momentum<D, R>, j: &Momentum<D, R>) -> R {
-        i.pressure * (i.volume * i.volume) + j.pressure * (j.volume * j.volume)
+        j.pressure.mul_add(j.squared_volume, i.pressure * i.squared_volume)
     }
 }
 
@@ -43,6 +43,6 @@ impl PressureAverage for DensityWeighted {
     #[inline(always)]
     fn average<const D: usize, R: Real>(i: &Momentum<D, R>, j: &Momentum<D, R>) -> R {
         let p_ij = (j.density * i.pressure + i.density * j.pressure) / (i.density + j.density);
-        (i.volume * i.volume + j.volume * j.volume) * p_ij
+        (i.squared_volume + j.squared_volume) * p_ij
     }
 }

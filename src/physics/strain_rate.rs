@@ -4,7 +4,8 @@
 //!
 //! (simple shear: γ̇ = |du/dy|; the paper omits the ½ and does not say which norm). With the correction of the kernel's
 //! gradient (Bonet & Lok 1999) L becomes `L K⁻¹`, `K = Σ_j V_j (x_j − x_i) ⊗ ∇_iW_ij`, which is exact for a
-//! linear velocity field wherever the particles are.
+//! linear velocity field wherever the particles are. Velocities are those of the middle of the drift, and so are the positions
+//! ([`midway_sums`](super::midway_sums)).
 
 use std::array::from_fn;
 
@@ -13,12 +14,15 @@ use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::MidwaySums;
+use super::midway::{position_midway, velocity_midway};
+use crate::clock::Clock;
 use crate::kernels::SmoothingKernel;
 use crate::lanes::{Real, fields};
 use crate::neighbours::{Neighbours, Pair, PairTerm, Sweep};
 use crate::particles::{
     Density, Fluid, Gather, Gathered, GhostVelocity, Mass, PIECE, Position, ShearRate, Slip, Solid, Vector, Velocity,
-    Volume, Wall, columns,
+    Volume, Wall, WallAcceleration, WallVelocity, columns,
 };
 use crate::scene::SceneSettings;
 
@@ -36,6 +40,14 @@ impl Default for StrainSettings {
     }
 }
 
+impl StrainSettings {
+    /// γ̇ (1/s) from L_i and the upper triangle of K_i.
+    pub(super) fn shear_rate<const D: usize>(&self, (l, k): (Matrix<D>, Matrix<D>)) -> f64 {
+        let l = if self.gradient_correction { times_inverse(l, symmetric(k), LEAST_DETERMINANT) } else { l };
+        shear_rate_of(&l)
+    }
+}
+
 impl SceneSettings for StrainSettings {
     const NAME: &'static str = "strain_rate";
 }
@@ -43,16 +55,15 @@ impl SceneSettings for StrainSettings {
 fields! {
     /// What ∇v needs of a particle.
     pub struct Flow<D> {
-        velocity: Vector<D>,
-        /// 0 for a wall with free slip, which does not enter ∇v.
-        volume: f64,
+        pub(super) velocity: Vector<D>,
+        pub(super) volume: f64,
     }
 }
 
 pub(super) type Matrix<const D: usize, R = f64> = [[R; D]; D];
 
-/// L_i and K_i.
-struct VelocityGradient;
+/// L_i and the upper triangle of K_i, which is symmetric.
+pub(super) struct VelocityGradient;
 
 impl<const D: usize> PairTerm<D> for VelocityGradient {
     type State = Flow<D>;
@@ -67,20 +78,48 @@ impl<const D: usize> PairTerm<D> for VelocityGradient {
         pair: &Pair<D, R>,
     ) {
         let v_ij = i.velocity - j.velocity;
-        let volume_grad_w = pair.grad_w() * j.volume;
-        for a in 0..D {
-            for b in 0..D {
-                l[a][b] -= v_ij.0[a] * volume_grad_w.0[b];
-                k[a][b] -= pair.r_ij.0[a] * volume_grad_w.0[b];
-            }
+        let volume_grad_w = pair.r_ij * (pair.gradient * j.volume);
+        subtract_outer(l, 0, v_ij, volume_grad_w);
+        subtract_outer(k, 1, pair.r_ij, volume_grad_w);
+    }
+}
+
+/// `m ← m − u ⊗ v`; in row a without the first `a · skipped` columns.
+#[inline(always)]
+#[expect(clippy::needless_range_loop, reason = "with iterators the sums are not kept in registers")]
+pub(super) fn subtract_outer<const ROWS: usize, const D: usize, R: Real>(
+    m: &mut [[R; D]; ROWS],
+    skipped: usize,
+    u: Vector<ROWS, R>,
+    v: Vector<D, R>,
+) {
+    for a in 0..ROWS {
+        for b in a * skipped..D {
+            m[a][b].subtract_product(u.0[a], v.0[b]);
         }
     }
 }
 
-type Ghosts = (&'static Position, &'static GhostVelocity, &'static Volume, &'static Slip);
+/// Volume of a ghost in ∇v: a wall along which fluid slips freely does not enter.
+pub(super) fn flow_volume(volume: Volume, slip: Slip) -> f64 {
+    if slip == Slip::FreeSlip { 0.0 } else { volume.0 }
+}
+
+type Ghosts = (
+    &'static Position,
+    &'static WallVelocity,
+    &'static WallAcceleration,
+    &'static GhostVelocity,
+    &'static Volume,
+    &'static Slip,
+);
+type GhostColumns<'a> =
+    (&'a [Position], &'a [WallVelocity], &'a [WallAcceleration], &'a [GhostVelocity], &'a [Volume], &'a [Slip]);
 
 /// Computes γ̇ of every fluid particle.
 pub fn strain_rate<const D: usize>(
+    clock: Res<Clock>,
+    sums: Res<MidwaySums>,
     settings: Res<StrainSettings>,
     kernel: Res<SmoothingKernel>,
     neighbours: Res<Neighbours>,
@@ -89,27 +128,26 @@ pub fn strain_rate<const D: usize>(
     walls: Query<Ghosts, With<Wall>>,
     structures: Query<Ghosts, With<Solid>>,
 ) -> Result {
-    let ghosts = [columns(&walls), columns(&structures)].map(
-        |(x, v, volume, slip): (&[Position], &[GhostVelocity], &[Volume], &[Slip])| {
-            move |b: usize| {
-                let volume = if slip[b] == Slip::FreeSlip { 0.0 } else { volume[b].0 };
-                Gathered { position: x[b].0.into(), state: Flow { velocity: v[b].0.into(), volume } }
+    if sums.are_made() {
+        return Ok(());
+    }
+    let half_step = 0.5 * clock.time_step;
+    let [walls, structures] =
+        [columns(&walls), columns(&structures)].map(|(x, v_w, a_w, v_b, volume, slip): GhostColumns<'_>| {
+            move |b: usize| Gathered {
+                position: position_midway(half_step, x[b], velocity_midway(half_step, v_w[b], a_w[b])),
+                state: Flow { velocity: v_b[b].0.into(), volume: flow_volume(volume[b], slip[b]) },
             }
-        },
-    );
-    let [walls, structures] = ghosts;
+        });
     for (x, v, m, rho, mut shear_rate) in fluid.contiguous_iter_mut()? {
         let own = |i: usize| Gathered {
-            position: x[i].0.into(),
+            position: position_midway(half_step, x[i], v[i].0),
             state: Flow { velocity: v[i].0.into(), volume: m[i].0 / rho[i].0 },
         };
         let records = gather.fill(&neighbours.rows, own, walls, structures);
         let sweep = Sweep::new(&neighbours, &*kernel.0, records, VelocityGradient);
         shear_rate.bypass_change_detection().par_chunks_mut(PIECE).enumerate().for_each(|(piece, shear_rate)| {
-            sweep.sum(piece * PIECE, shear_rate.len(), |i, (l, k)| {
-                let l = if settings.gradient_correction { times_inverse(l, k, LEAST_DETERMINANT) } else { l };
-                shear_rate[i].0 = shear_rate_of(&l);
-            });
+            sweep.sum(piece * PIECE, shear_rate.len(), |k, sum| shear_rate[k].0 = settings.shear_rate(sum));
         });
     }
     Ok(())
@@ -124,6 +162,11 @@ fn shear_rate_of<const D: usize>(l: &Matrix<D>) -> f64 {
 /// A particle with so few neighbours that K is this close to singular keeps its uncorrected gradient (K → 1 in a full
 /// neighbourhood).
 pub(crate) const LEAST_DETERMINANT: f64 = 0.1;
+
+/// The symmetric matrix with this upper triangle.
+pub(super) fn symmetric<const D: usize>(upper: Matrix<D>) -> Matrix<D> {
+    from_fn(|a| from_fn(|b| upper[a.min(b)][a.max(b)]))
+}
 
 /// `L K⁻¹` of gradients in rows, K⁻¹ being the transposed matrix of cofactors over the determinant; L itself where the
 /// determinant is less than `least`.

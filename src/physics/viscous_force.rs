@@ -27,13 +27,14 @@ pub enum ViscousForm {
 
 /// The viscous force on particle i from one pair (N; N/m in 2D).
 pub trait ViscousForce: 'static {
-    /// Force for the pair i, j with mean viscosity `mu_ij` (Pa s).
-    fn force<const D: usize, R: Real>(
+    /// Adds the force of the pair i, j with mean viscosity `mu_ij` (Pa s).
+    fn add_to<const D: usize, R: Real>(
+        force: &mut Vector<D, R>,
         mu_ij: R,
         i: &Momentum<D, R>,
         j: &Momentum<D, R>,
         pair: &Pair<D, R>,
-    ) -> Vector<D, R>;
+    );
 }
 
 /// [`ViscousForm::Laplacian`].
@@ -41,14 +42,15 @@ pub struct LaplacianForm;
 
 impl ViscousForce for LaplacianForm {
     #[inline(always)]
-    fn force<const D: usize, R: Real>(
+    fn add_to<const D: usize, R: Real>(
+        force: &mut Vector<D, R>,
         mu_ij: R,
         i: &Momentum<D, R>,
         j: &Momentum<D, R>,
         pair: &Pair<D, R>,
-    ) -> Vector<D, R> {
+    ) {
         let v_ij = i.velocity - j.velocity;
-        v_ij * (mu_ij * (i.volume * i.volume + j.volume * j.volume) * pair.gradient)
+        force.add_product(v_ij, mu_ij * (i.squared_volume + j.squared_volume) * pair.gradient);
     }
 }
 
@@ -57,15 +59,16 @@ pub struct CentralForm;
 
 impl ViscousForce for CentralForm {
     #[inline(always)]
-    fn force<const D: usize, R: Real>(
+    fn add_to<const D: usize, R: Real>(
+        force: &mut Vector<D, R>,
         mu_ij: R,
         i: &Momentum<D, R>,
         j: &Momentum<D, R>,
         pair: &Pair<D, R>,
-    ) -> Vector<D, R> {
+    ) {
         let v_ij = i.velocity - j.velocity;
         let r_squared = pair.r_ij.dot(pair.r_ij) + f64::MIN_POSITIVE;
         let approach = pair.r_ij.dot(v_ij) * (D as f64 + 2.0) / r_squared;
-        pair.grad_w() * (mu_ij * (i.volume * i.volume + j.volume * j.volume) * approach)
+        force.add_product(pair.r_ij, mu_ij * (i.squared_volume + j.squared_volume) * pair.gradient * approach);
     }
 }

@@ -2,12 +2,17 @@
 
 use std::f64::consts::TAU;
 
+use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use glam::DVec3;
+use storegga::app::{PaperPlugins, StoreggaApp, open};
 use storegga::boundary::Load;
 use storegga::checkpoint::{check_state, restore_state, save_state};
 use storegga::neighbours::Neighbours;
 use storegga::particles::{Density, Fluid, ParticleId, Position, Pressure, Velocity, Viscosity};
+use storegga::physics::strain_rate;
+use storegga::scene::Document;
+use storegga::schedule::Stage;
 
 use crate::support::{advance, app, disturb, evaluate, periodic_box, tank};
 
@@ -26,7 +31,10 @@ type Bits = Vec<(u32, Vec<u64>)>;
 
 /// Every bit of the particles after `steps` steps with `threads` threads, and all that a checkpoint would hold.
 fn bits(scene: &str, threads: usize, steps: u64) -> (Bits, Vec<u8>) {
-    let mut app = app(scene, &[]);
+    bits_of(app(scene, &[]), threads, steps)
+}
+
+fn bits_of(mut app: App, threads: usize, steps: u64) -> (Bits, Vec<u8>) {
     let world = app.world_mut();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a thread pool");
     pool.install(|| advance(world, steps));
@@ -119,6 +127,24 @@ fn fast_loops_give_the_bits_of_plain_ones() {
         assert_ne!(plain, fast);
         let steps = if dimension == 2 { 300 } else { 60 };
         assert!(bits(&plain, 1, steps) == bits(&fast, 2, steps), "plain and fast loops differ in {dimension}D");
+    }
+}
+
+/// A stage that is put in charge anew makes its sum by itself: strain rate, continuity, diffusion and free surface do when
+/// nobody has made their sums ahead.
+#[test]
+fn stages_alone_give_the_bits_of_their_sums_made_together() {
+    struct Alone;
+    impl Plugin for Alone {
+        fn build(&self, app: &mut App) {
+            app.set_stage(Stage::StrainRate, strain_rate::<2>, strain_rate::<3>);
+        }
+    }
+    for dimension in [2, 3] {
+        let (scene, steps) = (stream(dimension), if dimension == 2 { 300 } else { 60 });
+        let document = Document::parse("test.ron", &scene).expect("the scene is right");
+        let alone = open((PaperPlugins, Alone), document).expect("the scene is right");
+        assert!(bits_of(alone, 1, steps) == bits(&scene, 1, steps), "other bits in {dimension}D");
     }
 }
 
