@@ -8,7 +8,7 @@ use super::sums::{BLOCK, BodySums, Kind, PairForces, Worksheet, sum};
 use crate::kernels::SmoothingKernel;
 use crate::lanes::fields;
 use crate::neighbours::{Neighbours, sum_near};
-use crate::particles::{Fluid, Gather, Gathered, Records, Solid, Vector, Wall, WallVelocity, columns};
+use crate::particles::{Fluid, Gathered, Records, Solid, Vector, Wall, WallVelocity, Workspace, columns};
 use crate::physics::{
     FluidColumns, FluidState, GhostColumns, GhostState, ImpactPressure, Momentum, MomentumSettings, PressureAverage,
     ViscousForce, impact_force, mean_viscosity, pair_forces as forces_of, with_forms,
@@ -48,7 +48,7 @@ pub(super) fn pair_forces<const D: usize>(
     settings: Res<MomentumSettings>,
     kernel: Res<SmoothingKernel>,
     neighbours: Res<Neighbours>,
-    mut gather: Local<Gather<D, Account<D>>>,
+    mut workspace: ResMut<Workspace>,
     mut sheet: ResMut<Worksheet>,
     fluid: Query<FluidState, With<Fluid>>,
     walls: Query<(GhostState, &WallVelocity), With<Wall>>,
@@ -61,7 +61,7 @@ pub(super) fn pair_forces<const D: usize>(
         let state = Account { momentum, volume: m[i].0 / rho[i].0, wall_velocity: Vector::ZERO, table: FLUID };
         Gathered { position: x[i].0.into(), state }
     };
-    let records = gather.fill(&neighbours.rows, own, walls, structures);
+    let records = workspace.gather::<D, Account<D>>(&neighbours.rows, own, walls, structures);
     let sheet = &mut *sheet;
     sheet.forces.resize(x.len(), PairForces::default());
     sheet.body_blocks.resize(x.len().div_ceil(BLOCK), BodySums::default());

@@ -15,8 +15,8 @@ use serde::{Deserialize, Serialize};
 use super::Body;
 use crate::neighbours::{Neighbours, sum_pairs};
 use crate::particles::{
-    BodyIndex, Fluid, ForceOnParticle, GRAIN, Gather, Gathered, PIECE, PeriodShift, Position, Pressure, Records, Solid,
-    Vector, columns,
+    BodyIndex, Fluid, ForceOnParticle, GRAIN, Gathered, PIECE, PeriodShift, Position, Pressure, Records, Solid, Vector,
+    Workspace, columns,
 };
 use crate::physics::{
     Contact, EquationOfState, FluidColumns, FluidState, GhostState, Momentum, MomentumSettings, PressureAverage,
@@ -69,7 +69,7 @@ pub fn force_on_particles<const D: usize>(
     settings: Res<MomentumSettings>,
     state: Res<EquationOfState>,
     neighbours: Res<Neighbours>,
-    mut gather: Local<Gather<D, Contact<D>>>,
+    mut workspace: ResMut<Workspace>,
     fluid: Query<FluidState, With<Fluid>>,
     mut structures: Query<(GhostState, &mut ForceOnParticle), With<Solid>>,
 ) -> Result {
@@ -86,7 +86,7 @@ pub fn force_on_particles<const D: usize>(
             Gathered { position: x_s[s].0.into(), state: Contact { momentum, impact: 0.0 } }
         };
         // Structures list fluid only: the walls' records are never read.
-        let records = gather.fill(&neighbours.rows, fluid, |_| solid(0), solid);
+        let records = workspace.gather::<D, Contact<D>>(&neighbours.rows, fluid, |_| solid(0), solid);
         let out = force.bypass_change_detection();
         with_forms!(settings, sum_forces::<D>(&neighbours, records, out));
     }

@@ -13,7 +13,7 @@ use super::{PairList, PeriodicSides, Rows, add_images, clear_with_room};
 use crate::app::StoreggaApp;
 use crate::checkpoint::{SavedState, decode, encode};
 use crate::kernels::SmoothingKernel;
-use crate::particles::{Fluid, PeriodShift, Position, RestPosition, Solid, Wall, columns};
+use crate::particles::{Fluid, PeriodShift, Position, RestPosition, Solid, Wall, Workspace, columns};
 use crate::scene::{Invalid, Resolution, SceneDocument, SceneSection, SectionError};
 use crate::schedule::Stage;
 
@@ -128,7 +128,7 @@ impl Neighbours {
     }
 
     /// Builds the list of every table from the positions of all rows.
-    fn build(&mut self, sides: &PeriodicSides) {
+    fn build(&mut self, sides: &PeriodicSides, workspace: &mut Workspace) {
         let n = self;
         let (fluid, walls, structures) = (n.rows.fluid, n.rows.walls, n.rows.structures);
         add_images(sides, n.reach, &mut n.positions, &mut n.rows.images);
@@ -140,9 +140,9 @@ impl Neighbours {
         let (min, max) =
             wet.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(min, max), (_, x)| (min.min(*x), max.max(*x)));
         n.grid.lay(min - n.reach, max + n.reach, n.cell, n.positions.len());
-        n.grid.sort(&n.positions, is_fluid);
+        let grid = n.grid.sort(&n.positions, is_fluid, workspace);
 
-        let (grid, positions, reach, reach_squared) = (&n.grid, &n.positions, n.reach, n.reach * n.reach);
+        let (positions, reach, reach_squared) = (&n.positions, n.reach, n.reach * n.reach);
         n.fluid.build(fluid, |rows, kind, list| {
             let cluster = &positions[rows];
             let (min, max) = cluster.iter().fold((cluster[0], cluster[0]), |(min, max), x| (min.min(*x), max.max(*x)));
@@ -151,15 +151,15 @@ impl Neighbours {
                     && cluster.iter().any(|x_i| x_i.distance_squared(x) < reach_squared)
             };
             grid.around((min - reach, max + reach), |entries| {
-                let of_kind = entries.iter().filter(|e| e.fluid == (kind == Kind::Fluid));
-                list.extend(of_kind.filter(|e| near(e.position)).map(|e| e.row));
+                let of_kind = entries.iter().filter(|e| e.is_fluid() == (kind == Kind::Fluid));
+                list.extend(of_kind.filter(|e| near(e.position())).map(|e| e.row));
             });
         });
         let fluid_near = |row: usize, list: &mut Vec<u32>| {
             let x = positions[row];
             grid.around((x - reach, x + reach), |entries| {
-                let fluid = entries.iter().filter(|e| e.fluid);
-                list.extend(fluid.filter(|e| e.position.distance_squared(x) < reach_squared).map(|e| e.row));
+                let fluid = entries.iter().filter(|e| e.is_fluid());
+                list.extend(fluid.filter(|e| e.position().distance_squared(x) < reach_squared).map(|e| e.row));
             });
         };
         n.walls.build(walls, |k, list| fluid_near(fluid + k, list));
@@ -209,6 +209,7 @@ fn wrap_particles(
 /// Collects the positions of every table and builds the lists.
 fn build_lists(
     mut neighbours: ResMut<Neighbours>,
+    mut workspace: ResMut<Workspace>,
     sides: Res<PeriodicSides>,
     fluid: Query<&Position, With<Fluid>>,
     walls: Query<&Position, With<Wall>>,
@@ -220,7 +221,7 @@ fn build_lists(
     (n.rows.fluid, n.rows.walls, n.rows.structures) = (fluid, walls, structures);
     clear_with_room(&mut n.positions);
     n.positions.extend(tables.iter().flat_map(|table| table.iter().map(|x| x.0)));
-    n.build(&sides);
+    n.build(&sides, &mut workspace);
     n.travelled = 0.0;
     n.builds += 1;
 }
@@ -236,15 +237,16 @@ fn save_lists(world: &mut World, bytes: &mut Vec<u8>) -> Result<(), String> {
 
 fn restore_lists(world: &mut World, bytes: &[u8]) -> Result<(), String> {
     let sides = *world.resource::<PeriodicSides>();
-    let mut n = world.resource_mut::<Neighbours>();
     let (builds, travelled, positions): Origin = decode(bytes)?;
-    if positions.len() != n.rows.owned() {
-        return Err(format!("{} positions for {} particles", positions.len(), n.rows.owned()));
-    }
-    n.positions = positions;
-    n.build(&sides);
-    (n.builds, n.travelled) = (builds, travelled);
-    Ok(())
+    world.resource_scope(|world, mut n: Mut<Neighbours>| {
+        if positions.len() != n.rows.owned() {
+            return Err(format!("{} positions for {} particles", positions.len(), n.rows.owned()));
+        }
+        n.positions = positions;
+        n.build(&sides, &mut world.resource_mut::<Workspace>());
+        (n.builds, n.travelled) = (builds, travelled);
+        Ok(())
+    })
 }
 
 /// Neighbour lists and their stage.
@@ -252,7 +254,7 @@ pub struct NeighboursPlugin;
 
 impl Plugin for NeighboursPlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<Neighbours>();
+        app.init_resource::<Neighbours>().init_resource::<Workspace>().register_rebuilt::<Workspace>();
         app.register_rebuilt::<PeriodicSides>();
         SavedState::register_with::<Neighbours>(app.world_mut(), save_lists, restore_lists);
         app.register_scene_section::<NeighbourSettings>();

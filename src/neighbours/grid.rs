@@ -1,15 +1,28 @@
 //! A grid of cells in which neighbours are looked for.
 
+use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
 use super::list::{clear_with_room, resize_with_room};
+use crate::particles::Workspace;
 
 /// One row in the order of the cells.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Zeroable, Pod)]
+#[repr(C)]
 pub(super) struct Entry {
-    pub position: DVec3,
+    position: [f64; 3],
     pub row: u32,
-    pub fluid: bool,
+    fluid: u32,
+}
+
+impl Entry {
+    pub fn position(&self) -> DVec3 {
+        DVec3::from_array(self.position)
+    }
+
+    pub fn is_fluid(&self) -> bool {
+        self.fluid == 1
+    }
 }
 
 /// Rows sorted by cell, x fastest, so that the cells beside one another along x are one run of memory.
@@ -20,13 +33,19 @@ pub(super) struct Grid {
     cells: [usize; 3],
     /// `first[c]..first[c + 1]` are the entries of cell c.
     first: Vec<u32>,
-    entries: Vec<Entry>,
     cell_of_row: Vec<u32>,
 }
 
 /// A grid never has more cells than this many times the number of rows: when one particle flies far away, cells grow
 /// instead, and the lists stay right.
 const CELLS_PER_ROW: f64 = 8.0;
+
+/// A grid with the rows that lie in it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SortedRows<'a> {
+    grid: &'a Grid,
+    entries: &'a [Entry],
+}
 
 /// Marks a row that lies too far from any fluid to matter.
 const OUTSIDE: u32 = u32::MAX;
@@ -65,7 +84,12 @@ impl Grid {
     }
 
     /// Sorts rows into cells (a counting sort: rows of one cell keep their order).
-    pub fn sort(&mut self, positions: &[DVec3], is_fluid: impl Fn(usize) -> bool) {
+    pub fn sort<'a>(
+        &'a mut self,
+        positions: &[DVec3],
+        is_fluid: impl Fn(usize) -> bool,
+        workspace: &'a mut Workspace,
+    ) -> SortedRows<'a> {
         clear_with_room(&mut self.cell_of_row);
         self.cell_of_row.reserve(positions.len());
         let cells = self.cells.iter().product::<usize>();
@@ -81,36 +105,19 @@ impl Grid {
         for c in 0..cells {
             self.first[c + 1] += self.first[c];
         }
-        let blank = Entry { position: DVec3::ZERO, row: 0, fluid: false };
-        self.entries.clear();
-        resize_with_room(&mut self.entries, self.first[cells] as usize, blank);
+        let entries: &mut [Entry] = workspace.values(self.first[cells] as usize);
         for (row, &cell) in self.cell_of_row.iter().enumerate() {
             if cell != OUTSIDE {
                 let place = &mut self.first[cell as usize];
-                self.entries[*place as usize] =
-                    Entry { position: positions[row], row: row as u32, fluid: is_fluid(row) };
+                let fluid = u32::from(is_fluid(row));
+                entries[*place as usize] = Entry { position: positions[row].to_array(), row: row as u32, fluid };
                 *place += 1;
             }
         }
         // Filling moved each cell's start to its end, which is the next cell's start: shift them back.
         self.first.copy_within(0..cells, 1);
         self.first[0] = 0;
-    }
-
-    /// Calls `visit` with each run of entries in the cells that touch the box `min`–`max`.
-    #[inline(always)]
-    pub fn around(&self, (min, max): (DVec3, DVec3), mut visit: impl FnMut(&[Entry])) {
-        let n = self.cells.map(|n| n as isize);
-        let (first, last) = (self.coordinates(min), self.coordinates(max));
-        let range = |axis: usize| first[axis].clamp(0, n[axis])..(last[axis] + 1).clamp(0, n[axis]);
-        let x = range(0);
-        for z in range(2) {
-            for y in range(1) {
-                let line = (z * n[1] + y) * n[0];
-                let [from, to] = [x.start, x.end].map(|x| self.first[(line + x) as usize] as usize);
-                visit(&self.entries[from..to]);
-            }
-        }
+        SortedRows { grid: self, entries }
     }
 
     /// The line of cells along x in which a position lies, and how far along it (in 2⁻⁴⁰ of the grid's length): what is sorted
@@ -120,5 +127,24 @@ impl Grid {
         let line = z as u64 * self.cells[1] as u64 + y as u64;
         let along = (position.x - self.origin.x) * self.inverse_cell.x / self.cells[0] as f64;
         line << 40 | (along * (1_u64 << 40) as f64) as u64
+    }
+}
+
+impl SortedRows<'_> {
+    /// Calls `visit` with each run of entries in the cells that touch the box `min`–`max`.
+    #[inline(always)]
+    pub fn around(&self, (min, max): (DVec3, DVec3), mut visit: impl FnMut(&[Entry])) {
+        let grid = self.grid;
+        let n = grid.cells.map(|n| n as isize);
+        let (first, last) = (grid.coordinates(min), grid.coordinates(max));
+        let range = |axis: usize| first[axis].clamp(0, n[axis])..(last[axis] + 1).clamp(0, n[axis]);
+        let x = range(0);
+        for z in range(2) {
+            for y in range(1) {
+                let line = (z * n[1] + y) * n[0];
+                let [from, to] = [x.start, x.end].map(|x| grid.first[(line + x) as usize] as usize);
+                visit(&self.entries[from..to]);
+            }
+        }
     }
 }

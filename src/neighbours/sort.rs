@@ -7,14 +7,12 @@ use rayon::slice::ParallelSliceMut;
 
 use super::build::Neighbours;
 use super::grid::Grid;
-use crate::particles::{Fluid, Position, columns, permute_columns};
+use crate::particles::{Fluid, Position, Workspace, columns, permute_columns};
 
 /// Scratch memory of [`sort_fluid`].
 #[derive(Default)]
 pub(super) struct SortScratch {
     grid: Grid,
-    /// Place and row.
-    keys: Vec<(u64, u32)>,
     order: Vec<u32>,
 }
 
@@ -29,18 +27,21 @@ pub(super) fn sort_fluid(
         return;
     }
     let cell = neighbours.cell;
-    let SortScratch { grid, keys, order } = &mut *scratch;
-    {
+    let SortScratch { grid, order } = &mut *scratch;
+    world.resource_scope(|world, mut workspace: Mut<Workspace>| {
         let Ok(query) = positions.get(world) else { return };
         let positions: &[Position] = columns(&query);
         let min = positions.iter().fold(DVec3::INFINITY, |min, x| min.min(x.0));
         let max = positions.iter().fold(DVec3::NEG_INFINITY, |max, x| max.max(x.0));
         grid.lay(min, max, cell, positions.len());
-        keys.clear();
-        keys.extend(positions.iter().enumerate().map(|(row, x)| (grid.place(x.0), row as u32)));
-    }
-    keys.par_sort_unstable();
-    order.clear();
-    order.extend(keys.iter().map(|(_, row)| *row));
+        // Place and row.
+        let keys: &mut [[u64; 2]] = workspace.values(positions.len());
+        for (row, (key, x)) in keys.iter_mut().zip(positions).enumerate() {
+            *key = [grid.place(x.0), row as u64];
+        }
+        keys.par_sort_unstable();
+        order.clear();
+        order.extend(keys.iter().map(|[_, row]| *row as u32));
+    });
     permute_columns(world, order);
 }

@@ -21,22 +21,59 @@ where
 
 /// A per-particle quantity that moves along when fluid particles are re-sorted.
 trait Column: Send + Sync {
-    fn permute(&mut self, world: &mut World, order: &[u32]);
+    fn permute(&mut self, world: &mut World, cycles: &Cycles);
 }
 
 struct TypedColumn<T: Component<Mutability = Mutable>> {
     values: QueryState<&'static mut T, With<Fluid>>,
-    scratch: Vec<T>,
 }
 
 impl<T: Component<Mutability = Mutable> + Copy> Column for TypedColumn<T> {
-    fn permute(&mut self, world: &mut World, order: &[u32]) {
+    fn permute(&mut self, world: &mut World, cycles: &Cycles) {
         let Ok(tables) = self.values.contiguous_iter_mut(world) else { return };
         for mut table in tables {
-            let values = table.bypass_change_detection();
-            self.scratch.clear();
-            self.scratch.extend(order.iter().map(|&row| values[row as usize]));
-            values.copy_from_slice(&self.scratch);
+            cycles.apply(table.bypass_change_detection());
+        }
+    }
+}
+
+/// A permutation as its cycles, so that it is applied in place.
+#[derive(Default)]
+struct Cycles {
+    /// Rows, cycle after cycle: what is in one row goes to the row before it, and what is in the first row to the last. Rows that
+    /// stay are left out.
+    rows: Vec<u32>,
+    /// Where in `rows` each cycle ends.
+    ends: Vec<u32>,
+}
+
+impl Cycles {
+    /// That which puts what is in row `order[k]` into row `k`. Afterwards `order` counts 0, 1, 2, ….
+    fn set(&mut self, order: &mut [u32]) {
+        self.rows.clear();
+        self.ends.clear();
+        for first in 0..order.len() {
+            let mut row = first;
+            while order[row] as usize != row {
+                self.rows.push(row as u32);
+                row = std::mem::replace(&mut order[row], row as u32) as usize;
+            }
+            if self.ends.last().map_or(0, |end| *end as usize) < self.rows.len() {
+                self.ends.push(self.rows.len() as u32);
+            }
+        }
+    }
+
+    fn apply<T: Copy>(&self, values: &mut [T]) {
+        let mut start = 0;
+        for &end in &self.ends {
+            let cycle = &self.rows[start..end as usize];
+            let first = values[cycle[0] as usize];
+            for step in cycle.windows(2) {
+                values[step[0] as usize] = values[step[1] as usize];
+            }
+            values[cycle[cycle.len() - 1] as usize] = first;
+            start = end as usize;
         }
     }
 }
@@ -53,6 +90,7 @@ pub struct ColumnError {
 pub struct ParticleColumns {
     columns: Vec<Box<dyn Column>>,
     known: Vec<ComponentId>,
+    cycles: Cycles,
 }
 
 impl ParticleColumns {
@@ -63,7 +101,7 @@ impl ParticleColumns {
         let mut columns = world.get_resource_or_init::<Self>();
         if !columns.known.contains(&id) {
             columns.known.push(id);
-            columns.columns.push(Box::new(TypedColumn { values, scratch: Vec::new() }));
+            columns.columns.push(Box::new(TypedColumn { values }));
         }
     }
 
@@ -89,11 +127,31 @@ impl ParticleColumns {
     }
 }
 
-/// Puts the particle that is in row `order[k]` into row `k`, in every registered column.
-pub fn permute_columns(world: &mut World, order: &[u32]) {
+/// Puts the particle that is in row `order[k]` into row `k`, in every registered column. `order` is used up.
+pub fn permute_columns(world: &mut World, order: &mut [u32]) {
     world.resource_scope(|world, mut registered: Mut<ParticleColumns>| {
-        for column in &mut registered.columns {
-            column.permute(world, order);
+        let ParticleColumns { columns, cycles, .. } = &mut *registered;
+        cycles.set(order);
+        for column in columns {
+            column.permute(world, cycles);
         }
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cycles_do_what_the_order_says() {
+        // One cycle of three, two rows that stay, one of two, one of two.
+        let order = [3, 1, 0, 2, 4, 7, 8, 5, 6];
+        let values = ["a", "b", "c", "d", "e", "f", "g", "h", "i"];
+        let (mut cycles, mut permuted) = (Cycles::default(), values);
+        for _ in 0..2 {
+            cycles.set(&mut order.clone());
+        }
+        cycles.apply(&mut permuted);
+        assert_eq!(permuted, order.map(|row| values[row as usize]));
+    }
 }

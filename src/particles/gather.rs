@@ -3,6 +3,7 @@
 use std::marker::PhantomData;
 
 use bevy_ecs::prelude::Resource;
+use bytemuck::{Pod, cast_slice_mut};
 use rayon::prelude::*;
 
 use super::Vector;
@@ -24,17 +25,11 @@ pub struct Gathered<const D: usize, T> {
     pub state: T,
 }
 
-/// Step-local records of every row (fluid, walls, structures, periodic images), reused from step to step.
-#[derive(Resource)]
-pub struct Gather<const D: usize, T> {
+/// Memory that belongs to whatever system runs, and holds nothing from one system to the next: for the records of a sweep,
+/// for the sorting of rows. One for all, since each alone would be the largest column that there is.
+#[derive(Resource, Default)]
+pub struct Workspace {
     numbers: Vec<f64>,
-    of: PhantomData<T>,
-}
-
-impl<const D: usize, T> Default for Gather<D, T> {
-    fn default() -> Self {
-        Self { numbers: Vec::new(), of: PhantomData }
-    }
 }
 
 /// The records of every row, row after row: position, then state.
@@ -51,10 +46,10 @@ impl<const D: usize, T> Clone for Records<'_, D, T> {
 
 impl<const D: usize, T> Copy for Records<'_, D, T> {}
 
-impl<const D: usize, T: Fields<With<f64> = T>> Gather<D, T> {
+impl Workspace {
     /// Packs every row: `fluid`, `walls`, `structures` make the record of the k-th particle of their table; periodic
     /// images are copies of their source, shifted.
-    pub fn fill(
+    pub fn gather<const D: usize, T: Fields<With<f64> = T>>(
         &mut self,
         rows: &Rows,
         fluid: impl Fn(usize) -> Gathered<D, T> + Sync + Send,
@@ -62,13 +57,8 @@ impl<const D: usize, T: Fields<With<f64> = T>> Gather<D, T> {
         structures: impl Fn(usize) -> Gathered<D, T> + Sync + Send,
     ) -> Records<'_, D, T> {
         let stride = D + T::COUNT;
-        let len = (rows.owned() + rows.images.len()) * stride;
-        if self.numbers.capacity() < len {
-            // Images come and go: a little room spares most of them a new allocation.
-            self.numbers.reserve_exact(len + rows.images.len() / 4 * stride - self.numbers.len());
-        }
-        self.numbers.resize(len, 0.0);
-        let (of_fluid, rest) = self.numbers.split_at_mut(rows.fluid * stride);
+        let numbers = self.numbers((rows.owned() + rows.images.len()) * stride, rows.images.len() * stride);
+        let (of_fluid, rest) = numbers.split_at_mut(rows.fluid * stride);
         let (of_walls, rest) = rest.split_at_mut(rows.walls * stride);
         let of_structures = &mut rest[..rows.structures * stride];
         pack(of_fluid, fluid);
@@ -77,12 +67,28 @@ impl<const D: usize, T: Fields<With<f64> = T>> Gather<D, T> {
         let first_image = rows.owned() * stride;
         for (k, image) in rows.images.iter().enumerate() {
             let (from, to) = (image.source as usize * stride, first_image + k * stride);
-            self.numbers.copy_within(from..from + stride, to);
-            for (x, shift) in self.numbers[to..to + D].iter_mut().zip(image.shift.to_array()) {
+            numbers.copy_within(from..from + stride, to);
+            for (x, shift) in numbers[to..to + D].iter_mut().zip(image.shift.to_array()) {
                 *x += shift;
             }
         }
-        Records { numbers: &self.numbers, of: PhantomData }
+        Records { numbers, of: PhantomData }
+    }
+
+    /// `len` values of a kind that is made of whole numbers of 8 bytes; what they are is not said.
+    pub(crate) fn values<T: Pod>(&mut self, len: usize) -> &mut [T] {
+        cast_slice_mut(self.numbers(len * (size_of::<T>() / size_of::<f64>()), 0))
+    }
+
+    /// The first `len` numbers. Of them `wavering` come and go: a little room for them spares most new allocations.
+    fn numbers(&mut self, len: usize, wavering: usize) -> &mut [f64] {
+        if self.numbers.capacity() < len {
+            self.numbers.reserve_exact(len + wavering / 4 - self.numbers.len());
+        }
+        if self.numbers.len() < len {
+            self.numbers.resize(len, 0.0);
+        }
+        &mut self.numbers[..len]
     }
 }
 

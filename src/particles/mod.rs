@@ -7,5 +7,5 @@ mod vector;
 
 pub use columns::{ColumnError, ParticleColumns, columns, permute_columns};
 pub use components::*;
-pub use gather::{GRAIN, Gather, Gathered, PIECE, Records};
+pub use gather::{GRAIN, Gathered, PIECE, Records, Workspace};
 pub use vector::Vector;

@@ -8,7 +8,6 @@
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
 
 use super::DensityDiffusion;
 use super::strain_rate::{Matrix, subtract_outer, symmetric, times_inverse};
@@ -16,12 +15,20 @@ use crate::kernels::SmoothingKernel;
 use crate::lanes::{Real, fields};
 use crate::neighbours::{Neighbours, Pair, PairTerm, Sweep};
 use crate::particles::{
-    Density, Fluid, Gather, Gathered, Mass, PIECE, Position, ReferenceDensity, Solid, Vector, Wall, columns,
+    Density, Fluid, Gathered, Mass, PIECE, Position, ReferenceDensity, Solid, Vector, Wall, Workspace, columns,
 };
 
-/// ⟨∇β⟩ (1/m) of a fluid particle; kept only where the diffusion asks for it.
-#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-pub struct CompressionGradient(pub DVec3);
+/// ⟨∇β⟩ (1/m) of every fluid particle, from its stage to the diffusion; empty where nobody asks for it.
+#[derive(Resource, Debug, Default)]
+pub struct CompressionGradients(Vec<DVec3>);
+
+impl CompressionGradients {
+    /// That of fluid particle `i`, or zero.
+    #[inline(always)]
+    pub(super) fn of(&self, i: usize) -> DVec3 {
+        self.0.get(i).copied().unwrap_or_default()
+    }
+}
 
 /// Least determinant of K over that of an isotropic one with the same trace.
 pub(crate) const LEAST_RATIO: f64 = 0.1;
@@ -71,8 +78,9 @@ pub fn compression_gradient<const D: usize>(
     diffusion: Res<DensityDiffusion>,
     kernel: Res<SmoothingKernel>,
     neighbours: Res<Neighbours>,
-    mut gather: Local<Gather<D, Filling<D>>>,
-    mut fluid: Query<(&Position, &Mass, &Density, &ReferenceDensity, &mut CompressionGradient), With<Fluid>>,
+    mut workspace: ResMut<Workspace>,
+    mut gradients: ResMut<CompressionGradients>,
+    fluid: Query<(&Position, &Mass, &Density, &ReferenceDensity), With<Fluid>>,
     walls: Query<&Position, With<Wall>>,
     structures: Query<&Position, With<Solid>>,
 ) -> Result {
@@ -82,18 +90,19 @@ pub fn compression_gradient<const D: usize>(
     let [walls, structures] = [columns(&walls), columns(&structures)].map(|x: &[Position]| {
         move |b: usize| Gathered { position: x[b].0.into(), state: Filling { beta: 1.0, volume: 0.0 } }
     });
-    for (x, m, rho, rho0, mut gradient) in fluid.contiguous_iter_mut()? {
+    for (x, m, rho, rho0) in fluid.contiguous_iter()? {
         let own = |i: usize| Gathered {
             position: x[i].0.into(),
             state: Filling { beta: rho[i].0 / rho0[i].0, volume: m[i].0 / rho[i].0 },
         };
-        let records = gather.fill(&neighbours.rows, own, walls, structures);
+        let records = workspace.gather::<D, Filling<D>>(&neighbours.rows, own, walls, structures);
         let sweep = Sweep::new(&neighbours, &*kernel.0, records, Slope);
-        gradient.bypass_change_detection().par_chunks_mut(PIECE).enumerate().for_each(|(piece, gradient)| {
-            sweep.sum(piece * PIECE, gradient.len(), |i, (slope, k)| {
+        gradients.0.resize(x.len(), DVec3::ZERO);
+        gradients.0.par_chunks_mut(PIECE).enumerate().for_each(|(piece, gradients)| {
+            sweep.sum(piece * PIECE, gradients.len(), |i, (slope, k)| {
                 let trace: f64 = (0..D).map(|a| k[a][a]).sum();
                 let [corrected] = times_inverse(slope, symmetric(k), LEAST_RATIO * (trace / D as f64).powi(D as i32));
-                gradient[i].0 = Vector(corrected).into();
+                gradients[i] = Vector(corrected).into();
             });
         });
     }

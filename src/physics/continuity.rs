@@ -19,8 +19,8 @@ use crate::kernels::SmoothingKernel;
 use crate::lanes::{Real, fields};
 use crate::neighbours::{Neighbours, Pair, PairTerm, Sweep};
 use crate::particles::{
-    Density, DensityRate, Fluid, Gather, Gathered, Mass, PIECE, Position, Solid, Vector, Velocity, Volume, Wall,
-    WallAcceleration, WallVelocity, columns,
+    Density, DensityRate, Fluid, Gathered, Mass, PIECE, Position, Solid, Vector, Velocity, Volume, Wall,
+    WallAcceleration, WallVelocity, Workspace, columns,
 };
 
 fields! {
@@ -54,7 +54,7 @@ pub fn density_rate<const D: usize>(
     sums: Res<MidwaySums>,
     neighbours: Res<Neighbours>,
     kernel: Res<SmoothingKernel>,
-    mut gather: Local<Gather<D, Flux<D>>>,
+    mut workspace: ResMut<Workspace>,
     mut fluid: Query<(&Position, &Velocity, &Mass, &Density, &mut DensityRate), With<Fluid>>,
     walls: Query<Ghosts, With<Wall>>,
     structures: Query<Ghosts, With<Solid>>,
@@ -71,7 +71,12 @@ pub fn density_rate<const D: usize>(
         move |b: usize| midway(x[b], velocity_midway(half_step, v[b], a[b]), volume[b].0)
     });
     for (x, v, m, rho, mut rate) in fluid.contiguous_iter_mut()? {
-        let records = gather.fill(&neighbours.rows, |i| midway(x[i], v[i].0, m[i].0 / rho[i].0), walls, structures);
+        let records = workspace.gather::<D, Flux<D>>(
+            &neighbours.rows,
+            |i| midway(x[i], v[i].0, m[i].0 / rho[i].0),
+            walls,
+            structures,
+        );
         let sweep = Sweep::new(&neighbours, &*kernel.0, records, Continuity);
         rate.bypass_change_detection().par_chunks_mut(PIECE).enumerate().for_each(|(piece, rate)| {
             let first = piece * PIECE;

@@ -8,25 +8,26 @@
 //! - Hydrostatically corrected, after Fourtakas et al. 2019: `s_i = ρ0_i g/B`, the slope at rest. (With ρ0_i alone in the
 //!   place of the mean the L2 error of the two-phase tank at 8 mm grows, 0.26 % after 0.7 s and 0.50 % after 1.5 s; with the
 //!   mean it falls, 0.15 and 0.12 %.)
-//! - Antuono et al. 2010: `s_i = ⟨∇β⟩_i`, the slope that there is ([`CompressionGradient`]). What pressure the flow itself has
+//! - Antuono et al. 2010: `s_i = ⟨∇β⟩_i`, the slope that there is ([`CompressionGradients`]). What pressure the flow itself has
 //!   does not diffuse either, as that of a drum which turns; it costs one sweep more.
 //!
 //! Positions are those of the middle of the drift, where the sum can be made with others ([`midway_sums`](super::midway_sums)).
 
 use bevy_ecs::prelude::*;
+use glam::DVec3;
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::midway::position_midway;
-use super::{CompressionGradient, EquationOfState, Gravity, MidwaySums};
+use super::{CompressionGradients, EquationOfState, Gravity, MidwaySums};
 use crate::clock::Clock;
 use crate::kernels::SmoothingKernel;
 use crate::lanes::{Real, fields};
 use crate::neighbours::{Neighbours, Pair, PairTerm, Sweep};
 use crate::particles::{
-    Density, DensityRate, Fluid, GRAIN, Gather, Gathered, Mass, PIECE, Position, ReferenceDensity, Solid, Vector,
-    Velocity, Wall, columns,
+    Density, DensityRate, Fluid, GRAIN, Gathered, Mass, PIECE, Position, ReferenceDensity, Solid, Vector, Velocity,
+    Wall, Workspace, columns,
 };
 use crate::scene::{Resolution, SceneSettings};
 
@@ -102,7 +103,6 @@ type FluidState = (
     &'static Mass,
     &'static Density,
     &'static ReferenceDensity,
-    &'static CompressionGradient,
     &'static mut DensityRate,
 );
 
@@ -129,16 +129,10 @@ impl<const D: usize> Strength<D> {
 
     /// β, s and V of a fluid particle.
     #[inline(always)]
-    pub fn compression(
-        &self,
-        m: Mass,
-        rho: Density,
-        rho0: ReferenceDensity,
-        gradient: CompressionGradient,
-    ) -> Compression<D> {
+    pub fn compression(&self, m: Mass, rho: Density, rho0: ReferenceDensity, gradient: DVec3) -> Compression<D> {
         Compression {
             beta: rho.0 / rho0.0,
-            slope: self.g_over_b * rho0.0 + Vector::from(gradient.0) * self.own_slope,
+            slope: self.g_over_b * rho0.0 + Vector::from(gradient) * self.own_slope,
             volume: m.0 / rho.0,
         }
     }
@@ -148,11 +142,11 @@ impl<const D: usize> Strength<D> {
 pub fn density_diffusion<const D: usize>(
     clock: Res<Clock>,
     sums: Res<MidwaySums>,
-    (diffusion, gravity): (Res<DensityDiffusion>, Res<Gravity>),
+    (diffusion, gravity, gradients): (Res<DensityDiffusion>, Res<Gravity>, Res<CompressionGradients>),
     (resolution, state): (Res<Resolution>, Res<EquationOfState>),
     kernel: Res<SmoothingKernel>,
     neighbours: Res<Neighbours>,
-    mut gather: Local<Gather<D, Compression<D>>>,
+    mut workspace: ResMut<Workspace>,
     mut fluid: Query<FluidState, With<Fluid>>,
     walls: Query<&Position, With<Wall>>,
     structures: Query<&Position, With<Solid>>,
@@ -170,7 +164,7 @@ pub fn density_diffusion<const D: usize>(
         let state = Compression { beta: 1.0, slope: Vector::ZERO, volume: 0.0 };
         move |b: usize| Gathered { position: x[b].0.into(), state }
     });
-    for (x, v, m, rho, rho0, gradient, mut rate) in fluid.contiguous_iter_mut()? {
+    for (x, v, m, rho, rho0, mut rate) in fluid.contiguous_iter_mut()? {
         let rate = rate.bypass_change_detection();
         if let Some(sums) = sums.diffusion() {
             let each = rate.par_iter_mut().zip(rho0).zip(sums).with_min_len(GRAIN).with_max_len(PIECE);
@@ -179,9 +173,9 @@ pub fn density_diffusion<const D: usize>(
         }
         let own = |i: usize| Gathered {
             position: position_midway(half_step, x[i], v[i].0),
-            state: strength.compression(m[i], rho[i], rho0[i], gradient[i]),
+            state: strength.compression(m[i], rho[i], rho0[i], gradients.of(i)),
         };
-        let records = gather.fill(&neighbours.rows, own, walls, structures);
+        let records = workspace.gather::<D, Compression<D>>(&neighbours.rows, own, walls, structures);
         let sweep = Sweep::new(&neighbours, &*kernel.0, records, Diffusion);
         rate.par_chunks_mut(PIECE).enumerate().for_each(|(piece, rate)| {
             let first = piece * PIECE;

@@ -25,8 +25,8 @@ use crate::kernels::SmoothingKernel;
 use crate::lanes::Real;
 use crate::neighbours::{CLUSTER, Near, Neighbours, Pair, PairTerm, Sweep};
 use crate::particles::{
-    Density, Fluid, Gather, Gathered, Mass, PIECE, Position, Pressure, Records, ReferenceDensity, Solid, Volume, Wall,
-    columns,
+    Density, Fluid, Gathered, Mass, PIECE, Position, Pressure, Records, ReferenceDensity, Solid, Volume, Wall,
+    Workspace, columns,
 };
 use crate::scene::SceneSettings;
 
@@ -59,7 +59,7 @@ pub fn free_surface<const D: usize>(
     kernel: Res<SmoothingKernel>,
     state: Res<EquationOfState>,
     neighbours: Res<Neighbours>,
-    mut gather: Local<Gather<D, f64>>,
+    mut workspace: ResMut<Workspace>,
     mut fluid: Query<(&Position, &Mass, &ReferenceDensity, &mut Density, &mut Pressure), With<Fluid>>,
     walls: Query<(&Position, &Volume), With<Wall>>,
     structures: Query<(&Position, &Volume), With<Solid>>,
@@ -78,7 +78,7 @@ pub fn free_surface<const D: usize>(
         }
         let (rho, p) = (rho.bypass_change_detection(), p.bypass_change_detection());
         let own = |i: usize| Gathered { position: x[i].0.into(), state: m[i].0 / rho[i].0 };
-        let records = gather.fill(&neighbours.rows, own, walls, structures);
+        let records = workspace.gather::<D, f64>(&neighbours.rows, own, walls, structures);
         let sweep = Sweep::new(&neighbours, &*kernel.0, records, Filling);
         (rho.par_chunks_mut(PIECE), p.par_chunks_mut(PIECE)).into_par_iter().enumerate().for_each(
             |(piece, (rho, p))| {

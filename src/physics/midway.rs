@@ -17,14 +17,14 @@ use super::continuity::{Continuity, Flux};
 use super::diffusion::{Compression, Diffusion, Strength};
 use super::free_surface::Filling;
 use super::strain_rate::{Flow, Matrix, VelocityGradient, flow_volume};
-use super::{CompressionGradient, DensityDiffusion, EquationOfState, Gravity, StrainSettings};
+use super::{CompressionGradients, DensityDiffusion, EquationOfState, Gravity, StrainSettings};
 use crate::clock::Clock;
 use crate::kernels::SmoothingKernel;
 use crate::lanes::{Real, fields};
 use crate::neighbours::{Neighbours, Pair, PairTerm, Sweep};
 use crate::particles::{
-    Density, DensityRate, Fluid, Gather, Gathered, GhostVelocity, Mass, PIECE, Position, ReferenceDensity, ShearRate,
-    Slip, Solid, Vector, Velocity, Volume, Wall, WallAcceleration, WallVelocity, columns,
+    Density, DensityRate, Fluid, Gathered, GhostVelocity, Mass, PIECE, Position, ReferenceDensity, ShearRate, Slip,
+    Solid, Vector, Velocity, Volume, Wall, WallAcceleration, WallVelocity, Workspace, columns,
 };
 
 /// Sums that wait for their stages; empty where each stage makes its own.
@@ -69,19 +69,15 @@ pub(super) fn position_midway<const D: usize>(half_step: f64, x: Position, veloc
 }
 
 fields! {
-    /// What the sums need of a particle.
+    /// What the sums need of a particle: eight numbers in 2D, one line of the cache.
     pub struct Midway<D> {
         /// v; of a ghost v_w.
         velocity: Vector<D>,
         volume: f64,
-        /// β, 1 of a ghost.
-        beta: f64,
-        /// The slope of β that does not diffuse.
-        slope: Vector<D>,
-        /// v_b of a ghost, Eq. 16.
-        ghost_velocity: Vector<D>,
-        /// Volume of a ghost in ∇v.
-        ghost_volume: f64,
+        /// β of fluid; of a ghost, which does not diffuse, its volume in ∇v.
+        beta_or_volume: f64,
+        /// The slope of β of fluid that does not diffuse; of a ghost v_b, Eq. 16.
+        slope_or_velocity: Vector<D>,
     }
 }
 
@@ -93,7 +89,7 @@ impl<const D: usize, R: Real> Midway<D, R> {
 
     #[inline(always)]
     fn ghost_flow(&self) -> Flow<D, R> {
-        Flow { velocity: self.ghost_velocity, volume: self.ghost_volume }
+        Flow { velocity: self.slope_or_velocity, volume: self.beta_or_volume }
     }
 
     #[inline(always)]
@@ -103,7 +99,7 @@ impl<const D: usize, R: Real> Midway<D, R> {
 
     #[inline(always)]
     fn compression(&self) -> Compression<D, R> {
-        Compression { beta: self.beta, slope: self.slope, volume: self.volume }
+        Compression { beta: self.beta_or_volume, slope: self.slope_or_velocity, volume: self.volume }
     }
 }
 
@@ -146,7 +142,6 @@ type FluidState = (
     &'static Mass,
     &'static Density,
     &'static ReferenceDensity,
-    &'static CompressionGradient,
     &'static mut ShearRate,
     &'static mut DensityRate,
 );
@@ -166,8 +161,9 @@ pub fn midway_sums<const D: usize>(
     clock: Res<Clock>,
     settings: Res<StrainSettings>,
     (diffusion, gravity, state): (Res<DensityDiffusion>, Res<Gravity>, Res<EquationOfState>),
+    gradients: Res<CompressionGradients>,
     (kernel, neighbours): (Res<SmoothingKernel>, Res<Neighbours>),
-    mut gather: Local<Gather<D, Midway<D>>>,
+    mut workspace: ResMut<Workspace>,
     mut sums: ResMut<MidwaySums>,
     mut fluid: Query<FluidState, With<Fluid>>,
     walls: Query<Ghosts, With<Wall>>,
@@ -185,23 +181,21 @@ pub fn midway_sums<const D: usize>(
                 let state = Midway {
                     velocity: velocity.into(),
                     volume: volume[b].0,
-                    beta: 1.0,
-                    slope: Vector::ZERO,
-                    ghost_velocity: v_b[b].0.into(),
-                    ghost_volume: flow_volume(volume[b], slip[b]),
+                    beta_or_volume: flow_volume(volume[b], slip[b]),
+                    slope_or_velocity: v_b[b].0.into(),
                 };
                 Gathered { position: position_midway(half_step, x[b], velocity), state }
             }
         });
     let strength = Strength::<D>::of(&diffusion, &gravity, &state);
-    for (x, v, m, rho, rho0, gradient, mut shear_rate, mut rate) in fluid.contiguous_iter_mut()? {
+    for (x, v, m, rho, rho0, mut shear_rate, mut rate) in fluid.contiguous_iter_mut()? {
         let own = |i: usize| {
-            let Compression { beta, slope, volume } = strength.compression(m[i], rho[i], rho0[i], gradient[i]);
+            let Compression { beta, slope, volume } = strength.compression(m[i], rho[i], rho0[i], gradients.of(i));
             let velocity = v[i].0.into();
-            let state = Midway { velocity, volume, beta, slope, ghost_velocity: Vector::ZERO, ghost_volume: 0.0 };
+            let state = Midway { velocity, volume, beta_or_volume: beta, slope_or_velocity: slope };
             Gathered { position: position_midway(half_step, x[i], v[i].0), state }
         };
-        let records = gather.fill(&neighbours.rows, own, walls, structures);
+        let records = workspace.gather::<D, Midway<D>>(&neighbours.rows, own, walls, structures);
         let sweep = Sweep::new(&neighbours, &*kernel.0, records, Terms);
         let MidwaySums { diffusion, filling } = &mut *sums;
         diffusion.resize(x.len(), 0.0);

@@ -21,7 +21,7 @@ mod viscous_force;
 mod wall_impact;
 
 pub use body_force::{Gravity, Settling};
-pub use compression_gradient::{CompressionGradient, compression_gradient};
+pub use compression_gradient::{CompressionGradients, compression_gradient};
 pub use continuity::density_rate;
 pub use diffusion::{DensityDiffusion, density_diffusion};
 pub use divergence::{Advice, BrokenLimit, Cause, Divergence, DivergenceReport, NeighbourGroup, OutOfRange};

@@ -16,8 +16,8 @@ use crate::kernels::SmoothingKernel;
 use crate::lanes::{Real, fields};
 use crate::neighbours::{Neighbours, Pair, PairTerm, Sweep};
 use crate::particles::{
-    Acceleration, Density, Fluid, Gather, Gathered, GhostVelocity, Mass, PIECE, Position, Pressure, Records, Slip,
-    Solid, Vector, Velocity, Viscosity, Volume, Wall, columns,
+    Acceleration, Density, Fluid, Gathered, GhostVelocity, Mass, PIECE, Position, Pressure, Records, Slip, Solid,
+    Vector, Velocity, Viscosity, Volume, Wall, Workspace, columns,
 };
 use crate::scene::SceneSettings;
 
@@ -203,7 +203,7 @@ pub fn momentum<const D: usize>(
     settings: Res<MomentumSettings>,
     kernel: Res<SmoothingKernel>,
     neighbours: Res<Neighbours>,
-    mut gather: Local<Gather<D, Contact<D>>>,
+    mut workspace: ResMut<Workspace>,
     mut fluid: Query<(FluidState, &mut Acceleration), With<Fluid>>,
     walls: Query<GhostState, With<Wall>>,
     structures: Query<GhostState, With<Solid>>,
@@ -220,7 +220,7 @@ pub fn momentum<const D: usize>(
             let momentum = Momentum::fluid(v[i], m[i], rho[i], p[i], mu[i]);
             Gathered { position: x[i].0.into(), state: Contact { momentum, impact: impact[i].0 } }
         };
-        let records = gather.fill(&neighbours.rows, own, walls, structures);
+        let records = workspace.gather::<D, Contact<D>>(&neighbours.rows, own, walls, structures);
         let out = acceleration.bypass_change_detection();
         with_forms!(settings, accelerate::<D>(&neighbours, &kernel, records, m, out));
     }

@@ -8,13 +8,13 @@ use bevy_ecs::prelude::*;
 
 use crate::kernels::SmoothingKernel;
 use crate::neighbours::{Neighbours, Wanted};
-use crate::particles::{Fluid, Gather, Gathered, Position, Solid, Vector, Wall, columns};
+use crate::particles::{Fluid, Gathered, Position, Solid, Vector, Wall, Workspace, columns};
 
 /// Evaluates W and (dW/dr)/r of every pair of a ghost and fluid.
 pub fn pair_kernel<const D: usize>(
     mut neighbours: ResMut<Neighbours>,
     kernel: Res<SmoothingKernel>,
-    mut gather: Local<Gather<D, ()>>,
+    mut workspace: ResMut<Workspace>,
     fluid: Query<&Position, With<Fluid>>,
     walls: Query<&Position, With<Wall>>,
     structures: Query<&Position, With<Solid>>,
@@ -23,7 +23,7 @@ pub fn pair_kernel<const D: usize>(
     let tables: [&[Position]; 3] = [columns(&fluid), columns(&walls), columns(&structures)];
     let [fluid, walls, structures] =
         tables.map(|x| move |k: usize| Gathered { position: Vector::from(x[k].0), state: () });
-    let records = gather.fill(&n.rows, fluid, walls, structures);
+    let records = workspace.gather::<D, ()>(&n.rows, fluid, walls, structures);
 
     let mut first_owner = n.rows.fluid;
     for (list, owners, wanted) in [

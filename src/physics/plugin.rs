@@ -9,7 +9,7 @@ use super::divergence::{OutOfRange, explain_divergence};
 use super::equation_of_state::advance_state;
 use super::integration::kick;
 use super::{
-    CompressionGradient, DensityDiffusion, Divergence, FreeSurface, Gravity, ImpactPressure, MidwaySums,
+    CompressionGradients, DensityDiffusion, Divergence, FreeSurface, Gravity, ImpactPressure, MidwaySums,
     MomentumSettings, Settling, StateSettings, StrainSettings, TimeStepSettings, WallImpact, compression_gradient,
     density_diffusion, density_rate, drift, free_surface, ghost_pressure, ghost_velocity, midway_sums, momentum,
     next_time_step, pair_kernel, strain_rate, wall_impact,
@@ -23,7 +23,8 @@ pub struct PhysicsPlugin;
 impl Plugin for PhysicsPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<Divergence>().init_resource::<OutOfRange>().init_resource::<Gravity>();
-        app.init_resource::<MidwaySums>().register_rebuilt::<MidwaySums>();
+        app.init_resource::<MidwaySums>().init_resource::<CompressionGradients>();
+        app.register_rebuilt::<MidwaySums>().register_rebuilt::<CompressionGradients>();
         // A run that has diverged ends: between two steps there is nothing to save.
         app.register_rebuilt::<Divergence>().register_rebuilt::<OutOfRange>().register_saved::<Gravity>();
         app.register_scene_section::<StateSettings>()
@@ -35,7 +36,7 @@ impl Plugin for PhysicsPlugin {
             .register_scene_section::<Settling>()
             .register_scene_section::<TimeStepSettings>();
 
-        app.register_particle_column::<ImpactPressure>().register_particle_column::<CompressionGradient>();
+        app.register_particle_column::<ImpactPressure>();
 
         let time_step = || (next_time_step, explain_divergence.run_if(|out: Res<OutOfRange>| out.0)).chain();
 

@@ -21,8 +21,8 @@ use crate::kernels::SmoothingKernel;
 use crate::lanes::{Real, fields};
 use crate::neighbours::{Neighbours, Pair, PairTerm, Sweep};
 use crate::particles::{
-    Density, Fluid, Gather, Gathered, GhostVelocity, Mass, PIECE, Position, ShearRate, Slip, Solid, Vector, Velocity,
-    Volume, Wall, WallAcceleration, WallVelocity, columns,
+    Density, Fluid, Gathered, GhostVelocity, Mass, PIECE, Position, ShearRate, Slip, Solid, Vector, Velocity, Volume,
+    Wall, WallAcceleration, WallVelocity, Workspace, columns,
 };
 use crate::scene::SceneSettings;
 
@@ -123,7 +123,7 @@ pub fn strain_rate<const D: usize>(
     settings: Res<StrainSettings>,
     kernel: Res<SmoothingKernel>,
     neighbours: Res<Neighbours>,
-    mut gather: Local<Gather<D, Flow<D>>>,
+    mut workspace: ResMut<Workspace>,
     mut fluid: Query<(&Position, &Velocity, &Mass, &Density, &mut ShearRate), With<Fluid>>,
     walls: Query<Ghosts, With<Wall>>,
     structures: Query<Ghosts, With<Solid>>,
@@ -144,7 +144,7 @@ pub fn strain_rate<const D: usize>(
             position: position_midway(half_step, x[i], v[i].0),
             state: Flow { velocity: v[i].0.into(), volume: m[i].0 / rho[i].0 },
         };
-        let records = gather.fill(&neighbours.rows, own, walls, structures);
+        let records = workspace.gather::<D, Flow<D>>(&neighbours.rows, own, walls, structures);
         let sweep = Sweep::new(&neighbours, &*kernel.0, records, VelocityGradient);
         shear_rate.bypass_change_detection().par_chunks_mut(PIECE).enumerate().for_each(|(piece, shear_rate)| {
             sweep.sum(piece * PIECE, shear_rate.len(), |k, sum| shear_rate[k].0 = settings.shear_rate(sum));

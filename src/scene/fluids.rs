@@ -17,7 +17,7 @@ use crate::neighbours::PeriodicSides;
 use crate::number::plain;
 use crate::particles::{Density, Fluid, Mass, ParticleId, PhaseIndex, Position, Pressure, ReferenceDensity, Velocity};
 use crate::phases::phase_named;
-use crate::physics::{GREATEST_COMPRESSION, Settling};
+use crate::physics::{EquationOfState, GREATEST_COMPRESSION, Settling};
 
 /// Section `fluids`: what is filled with which phase. Fluids must not overlap (a place on a common edge belongs to the
 /// first); walls and structures displace them.
@@ -217,39 +217,21 @@ impl SceneSection for FluidsSection {
         };
         let depths = Depths::of(world, &seeds, &filled, |fluid| kinds[fluid].1);
         let state = choose_state(world, depths.as_ref(), self.greatest_start_speed())?;
-        let mut particles = Vec::with_capacity(seeds.len());
-        for (id, seed) in seeds.iter().enumerate() {
-            let spec = &self.0[seed.fluid];
+        let mut pressures = Vec::with_capacity(seeds.len());
+        for seed in &seeds {
+            let rho0 = kinds[seed.fluid].1;
+            pressures.push(self.start_pressure(seed, rho0, depths.as_ref(), &state)?);
+        }
+        world.spawn_batch(seeds.iter().zip(pressures).enumerate().map(|(id, (seed, p))| {
             let (phase, rho0) = &kinds[seed.fluid];
-            let p = match (spec.pressure, &depths) {
-                (InitialPressure::Uniform(p), _) => p + state.background_pressure,
-                (InitialPressure::Centrifugal(p), _) => {
-                    p + state.background_pressure + spec.centrifugal_pressure(*rho0, seed.position)
-                }
-                (InitialPressure::Hydrostatic, Some(depths)) => depths.pressure(seed, &state),
-                (InitialPressure::Hydrostatic, None) => {
-                    let message =
-                        "a hydrostatic start needs gravity along an axis that is not periodic; use Uniform(0.0)";
-                    return Err(Invalid::new(format!("{}.pressure", seed.fluid), message).into());
-                }
-            };
-            let beta = state.compression(p);
-            if !(1.0 / GREATEST_COMPRESSION..=GREATEST_COMPRESSION).contains(&beta) {
-                let message = format!(
-                    "its density would be {beta:.4} times the reference density (bulk modulus {:.4e} Pa)",
-                    state.bulk_modulus
-                );
-                return Err(Invalid::new(format!("{}.pressure", seed.fluid), message).into());
-            }
-            let rho = rho0 * beta;
-            particles.push((
+            let rho = rho0 * state.compression(p);
+            (
                 Fluid,
                 (ParticleId(id as u32), PhaseIndex(phase.index), Position(seed.position)),
-                Velocity(spec.velocity_at(seed.position)),
+                Velocity(self.0[seed.fluid].velocity_at(seed.position)),
                 (ReferenceDensity(*rho0), Density(rho), Mass(rho * seed.volume), Pressure(p)),
-            ));
-        }
-        world.spawn_batch(particles);
+            )
+        }));
         world.insert_resource(state);
         world.insert_resource(filled);
         Ok(())
@@ -259,6 +241,37 @@ impl SceneSection for FluidsSection {
 impl FluidsSection {
     fn greatest_start_speed(&self) -> f64 {
         self.0.iter().map(FluidSpec::greatest_speed).fold(0.0, f64::max)
+    }
+
+    /// Pressure (Pa) of a particle to be.
+    fn start_pressure(
+        &self,
+        seed: &Seed,
+        rho0: f64,
+        depths: Option<&Depths>,
+        state: &EquationOfState,
+    ) -> Result<f64, Invalid> {
+        let spec = &self.0[seed.fluid];
+        let at_pressure = |message: String| Invalid::new(format!("{}.pressure", seed.fluid), message);
+        let p = match (spec.pressure, depths) {
+            (InitialPressure::Uniform(p), _) => p + state.background_pressure,
+            (InitialPressure::Centrifugal(p), _) => {
+                p + state.background_pressure + spec.centrifugal_pressure(rho0, seed.position)
+            }
+            (InitialPressure::Hydrostatic, Some(depths)) => depths.pressure(seed, state),
+            (InitialPressure::Hydrostatic, None) => {
+                let message = "a hydrostatic start needs gravity along an axis that is not periodic; use Uniform(0.0)";
+                return Err(at_pressure(message.to_owned()));
+            }
+        };
+        let beta = state.compression(p);
+        if (1.0 / GREATEST_COMPRESSION..=GREATEST_COMPRESSION).contains(&beta) {
+            return Ok(p);
+        }
+        Err(at_pressure(format!(
+            "its density would be {beta:.4} times the reference density (bulk modulus {:.4e} Pa)",
+            state.bulk_modulus
+        )))
     }
 
     /// The shapes that are filled.
@@ -284,9 +297,9 @@ impl FluidsSection {
         let resolution = *world.resource::<Resolution>();
         let periodic = *world.resource::<PeriodicSides>();
         let bodies = body_shapes(world);
-        let mut taken: HashMap<LatticeIndex, usize> = HashMap::new();
+        let mut taken = Taken::default();
         let mut displaced: HashMap<String, f64> = HashMap::new();
-        let mut seeds = Vec::new();
+        let mut seeds: Vec<Seed> = Vec::new();
         for (k, fluid) in self.0.iter().enumerate() {
             let before = seeds.len();
             let places = fluid.places(k, &resolution);
@@ -308,10 +321,11 @@ impl FluidsSection {
                     Place::InWall(name) => return Err(overlap(k, fluid, point.position, name)),
                 }
                 // Places along a surface share cells with the lattice beside it.
-                let is_in = |other: &usize| {
-                    self.0[*other].shape.signed_distance(point.position) < 2.0 * EDGE * resolution.spacing
+                let is_in = |other: usize| {
+                    other != k && self.0[other].shape.signed_distance(point.position) < 2.0 * EDGE * resolution.spacing
                 };
-                if let Some(&other) = taken.get(&point.index).filter(|other| **other != k && is_in(other)) {
+                let meets = (0..k).any(is_in).then(|| taken.by(point.index, &seeds));
+                if let Some(other) = meets.flatten().filter(|other| is_in(*other)) {
                     // A cell whose centre lies on the common edge of two fluids belongs to the first.
                     if fluid.shape.signed_distance(point.position).abs() < 2.0 * EDGE * resolution.spacing {
                         continue;
@@ -320,7 +334,6 @@ impl FluidsSection {
                     let message = format!("overlaps the fluid of phase `{other}` at {}; use a Difference", place(x));
                     return Err(Invalid::new(format!("{k}.shape"), message));
                 }
-                taken.insert(point.index, k);
                 seeds.push(point);
             }
             if seeds.len() == before {
@@ -332,6 +345,22 @@ impl FluidsSection {
             structure.displaced = displaced.get(&body.name).copied().unwrap_or_default();
         }
         Ok(seeds)
+    }
+}
+
+/// Which fluid has which cell of the lattice; asked where fluids meet only, so filled when asked.
+#[derive(Default)]
+struct Taken {
+    cells: HashMap<LatticeIndex, usize>,
+    seen: usize,
+}
+
+impl Taken {
+    /// The fluid that the last of the `seeds` in this cell belongs to.
+    fn by(&mut self, cell: LatticeIndex, seeds: &[Seed]) -> Option<usize> {
+        self.cells.extend(seeds[self.seen..].iter().map(|seed| (seed.index, seed.fluid)));
+        self.seen = seeds.len();
+        self.cells.get(&cell).copied()
     }
 }
 

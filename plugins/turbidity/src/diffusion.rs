@@ -12,7 +12,7 @@ use storegga::clock::{Clock, Limit};
 use storegga::kernels::SmoothingKernel;
 use storegga::lanes::{Real, fields};
 use storegga::neighbours::{Neighbours, Pair, PairTerm, Sweep};
-use storegga::particles::{Density, Fluid, Gather, Gathered, Mass, PIECE, Position, Solid, Wall, columns};
+use storegga::particles::{Density, Fluid, Gathered, Mass, PIECE, Position, Solid, Wall, Workspace, columns};
 use storegga::scene::Resolution;
 
 use crate::{FineSediment, TurbiditySection};
@@ -54,7 +54,7 @@ pub fn spread(
     clock: Res<Clock>,
     kernel: Res<SmoothingKernel>,
     neighbours: Res<Neighbours>,
-    mut gather: Local<Gather<3, Suspension<3>>>,
+    mut workspace: ResMut<Workspace>,
     mut fluid: Query<(&Position, &Mass, &Density, &mut FineSediment), With<Fluid>>,
     walls: Query<&Position, With<Wall>>,
     structures: Query<&Position, With<Solid>>,
@@ -76,7 +76,7 @@ pub fn spread(
                 volume: m[i].0 / rho[i].0,
             },
         };
-        let records = gather.fill(&neighbours.rows, own, walls, structures);
+        let records = workspace.gather::<3, Suspension<3>>(&neighbours.rows, own, walls, structures);
         let sweep = Sweep::new(&neighbours, &*kernel.0, records, Spreading);
         c.par_chunks_mut(PIECE).enumerate().for_each(|(piece, c)| {
             let first = piece * PIECE;
