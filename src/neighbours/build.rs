@@ -255,6 +255,8 @@ pub struct NeighboursPlugin;
 impl Plugin for NeighboursPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<Neighbours>().init_resource::<Workspace>().register_rebuilt::<Workspace>();
+        // It holds nothing from one system to the next.
+        app.allow_ambiguous_resource::<Workspace>();
         app.register_rebuilt::<PeriodicSides>();
         SavedState::register_with::<Neighbours>(app.world_mut(), save_lists, restore_lists);
         app.register_scene_section::<NeighbourSettings>();

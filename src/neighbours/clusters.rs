@@ -87,11 +87,6 @@ impl ClusterList {
                     chunk.ends.push(chunk.rows.len() as u32);
                 }
             }
-            // A list that grew by doubling holds much more than it needs.
-            let room = chunk.rows.len() + chunk.rows.len() / 4;
-            if chunk.rows.capacity() > room + room / 4 {
-                chunk.rows.shrink_to(room);
-            }
         });
     }
 }

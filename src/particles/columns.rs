@@ -52,6 +52,9 @@ impl Cycles {
     fn set(&mut self, order: &mut [u32]) {
         self.rows.clear();
         self.ends.clear();
+        // As much as there can be: no order is the first that needs more.
+        self.rows.reserve_exact(order.len());
+        self.ends.reserve_exact(order.len() / 2);
         for first in 0..order.len() {
             let mut row = first;
             while order[row] as usize != row {
