@@ -1,44 +1,98 @@
 //! The pair forces of a step, told apart: what [`momentum`](crate::physics::momentum) adds up, and `N_ij` and `G_ib`.
 
+use std::marker::PhantomData;
+
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::sums::{BLOCK, BodySums, Kind, PairForces, Worksheet, sum};
+use super::sums::{BLOCK, BodySums, KINDS, Kind, PairForces, Worksheet, sum};
 use crate::kernels::SmoothingKernel;
-use crate::lanes::fields;
-use crate::neighbours::{Neighbours, sum_near};
+use crate::lanes::{Real, fields};
+use crate::neighbours::{Neighbours, Pair, PairTerm, Sweep};
 use crate::particles::{Fluid, Gathered, Records, Solid, Vector, Wall, WallVelocity, Workspace, columns};
 use crate::physics::{
-    FluidColumns, FluidState, GhostColumns, GhostState, ImpactPressure, Momentum, MomentumSettings, PressureAverage,
-    ViscousForce, impact_force, mean_viscosity, pair_forces as forces_of, with_forms,
+    FluidColumns, FluidState, GhostColumns, GhostState, Momentum, MomentumSettings, PressureAverage, ViscousForce,
+    impact_force, mean_viscosity, pair_forces as pair_forces_of, with_forms,
 };
 
 fields! {
     /// What the books need of a particle.
     pub(super) struct Account<D> {
         momentum: Momentum<D>,
+        /// p^w of a fluid particle.
+        impact: f64,
         /// V.
         volume: f64,
         /// v_w of a ghost.
         wall_velocity: Vector<D>,
-        /// One of [`FLUID`], [`WALL`], [`STRUCTURE`].
-        table: f64,
+        /// 1 of a structure, else 0.
+        structure: f64,
     }
 }
 
-const FLUID: f64 = 0.0;
-const WALL: f64 = 1.0;
-const STRUCTURE: f64 = 2.0;
+fields! {
+    /// Forces on a fluid particle, and what walls and structures do with those that are theirs.
+    pub(super) struct ForceSums<D> {
+        all: Vector<D>,
+        viscous: Vector<D>,
+        impact: Vector<D>,
+        ghosts: Vector<D>,
+        volumes: Vector<D>,
+        /// Σ_b F_ib of structures.
+        structures: Vector<D>,
+        /// Σ_b F_ib of walls and structures.
+        bodies: Vector<D>,
+        /// Σ_b F_ib·v_w of all forces, the viscous force, the impact, and of what ghosts take up.
+        power: [f64; 4],
+    }
+}
+
+/// The forces of a step, of the chosen forms, told apart.
+struct Apart<P, V>(PhantomData<fn() -> (P, V)>);
+
+impl<const D: usize, P: PressureAverage, V: ViscousForce> PairTerm<D> for Apart<P, V> {
+    type State = Account<D>;
+    type Sum = ForceSums<D>;
+
+    #[inline(always)]
+    fn fluid<R: Real>(&self, sum: &mut ForceSums<D, R>, own: &Account<D, R>, other: &Account<D, R>, pair: &Pair<D, R>) {
+        let (i, j) = (&own.momentum, &other.momentum);
+        let mu_ij = mean_viscosity(i.viscosity, j.viscosity);
+        let (pressure, viscous) = pair_forces_of::<D, R, P, V>(mu_ij, i, j, pair);
+        let compression = (i.pressure + j.pressure) * own.volume * other.volume;
+        sum.all += pressure + viscous;
+        sum.viscous += viscous;
+        sum.volumes += pressure + pair.grad_w() * compression;
+    }
+
+    #[inline(always)]
+    fn ghost<R: Real>(&self, sum: &mut ForceSums<D, R>, own: &Account<D, R>, body: &Account<D, R>, pair: &Pair<D, R>) {
+        let (i, b) = (&own.momentum, &body.momentum);
+        let (pressure, viscous) = pair_forces_of::<D, R, P, V>(i.viscosity * b.viscosity, i, b, pair);
+        let impact = impact_force(own.impact, i, b, pair);
+        let ghost = pressure + pair.grad_w() * (i.pressure * own.volume * body.volume);
+        let force = pressure + viscous + impact;
+        sum.all += force;
+        sum.viscous += viscous;
+        sum.impact += impact;
+        sum.ghosts += ghost;
+        sum.bodies += force;
+        sum.structures.add_product(force, body.structure);
+        for (power, force) in sum.power.iter_mut().zip([force, viscous, impact, ghost]) {
+            *power = force.dot_plus(body.wall_velocity, *power);
+        }
+    }
+}
 
 /// The records of walls or of structures.
 fn ghosts<'a, const D: usize>(
-    table: f64,
+    structure: f64,
     ((x, v, volume, rho, p, slip), v_w): (GhostColumns<'a>, &'a [WallVelocity]),
 ) -> impl Fn(usize) -> Gathered<D, Account<D>> + Sync + Send + use<'a, D> {
     move |b: usize| {
         let momentum = Momentum::ghost(v[b], volume[b], rho[b], p[b], slip[b]);
-        let state = Account { momentum, volume: volume[b].0, wall_velocity: v_w[b].0.into(), table };
+        let state = Account { momentum, impact: 0.0, volume: volume[b].0, wall_velocity: v_w[b].0.into(), structure };
         Gathered { position: x[b].0.into(), state }
     }
 }
@@ -54,11 +108,12 @@ pub(super) fn pair_forces<const D: usize>(
     walls: Query<(GhostState, &WallVelocity), With<Wall>>,
     structures: Query<(GhostState, &WallVelocity), With<Solid>>,
 ) {
-    let (walls, structures) = (ghosts(WALL, columns(&walls)), ghosts(STRUCTURE, columns(&structures)));
+    let (walls, structures) = (ghosts(0.0, columns(&walls)), ghosts(1.0, columns(&structures)));
     let (x, v, m, rho, p, mu, impact): FluidColumns<'_> = columns(&fluid);
     let own = |i: usize| {
         let momentum = Momentum::fluid(v[i], m[i], rho[i], p[i], mu[i]);
-        let state = Account { momentum, volume: m[i].0 / rho[i].0, wall_velocity: Vector::ZERO, table: FLUID };
+        let volume = m[i].0 / rho[i].0;
+        let state = Account { momentum, impact: impact[i].0, volume, wall_velocity: Vector::ZERO, structure: 0.0 };
         Gathered { position: x[i].0.into(), state }
     };
     let records = workspace.gather::<D, Account<D>>(&neighbours.rows, own, walls, structures);
@@ -66,7 +121,7 @@ pub(super) fn pair_forces<const D: usize>(
     sheet.forces.resize(x.len(), PairForces::default());
     sheet.body_blocks.resize(x.len().div_ceil(BLOCK), BodySums::default());
     let out = (&mut sheet.forces[..], &mut sheet.body_blocks[..]);
-    with_forms!(settings, tell_apart::<D>(&neighbours, &kernel, records, impact, out));
+    with_forms!(settings, tell_apart::<D>(&neighbours, &kernel, records, out));
     sheet.bodies = sum(sheet.body_blocks.iter().copied());
 }
 
@@ -74,63 +129,27 @@ fn tell_apart<const D: usize, P: PressureAverage, V: ViscousForce>(
     neighbours: &Neighbours,
     kernel: &SmoothingKernel,
     records: Records<'_, D, Account<D>>,
-    impact: &[ImpactPressure],
     (forces, blocks): (&mut [PairForces], &mut [BodySums]),
 ) {
-    forces.par_chunks_mut(BLOCK).zip(blocks).enumerate().for_each(|(b, (forces, bodies))| {
+    let sweep = Sweep::new(neighbours, &*kernel.0, records, Apart::<P, V>(PhantomData));
+    forces.par_chunks_mut(BLOCK).zip(blocks).enumerate().for_each(|(block, (forces, bodies))| {
         *bodies = BodySums::default();
-        for (k, out) in forces.iter_mut().enumerate() {
-            let row = b * BLOCK + k;
-            let (own, impact) = (&records.get(row), impact[row].0);
-            let i = &own.state.momentum;
-            let mut sums = ForceSums::<D>::default();
-            sum_near(
-                own,
-                neighbours.fluid.of(row),
-                records,
-                &*kernel.0,
-                #[inline(always)]
-                |other, pair| {
-                    let j = &other.momentum;
-                    let is_ghost = other.table != FLUID;
-                    let mu_ij =
-                        if is_ghost { i.viscosity * j.viscosity } else { mean_viscosity(i.viscosity, j.viscosity) };
-                    let (pressure, viscous) = forces_of::<D, P, V>(mu_ij, i, j, pair);
-                    let compression_of_i = i.pressure * own.state.volume * other.volume;
-                    sums.viscous += viscous;
-                    if !is_ghost {
-                        let compression = compression_of_i + j.pressure * own.state.volume * other.volume;
-                        sums.all += pressure + viscous;
-                        sums.volumes += pressure + pair.grad_w() * compression;
-                        return;
-                    }
-                    let impact = impact_force(impact, i, j, pair);
-                    let ghost = pressure + pair.grad_w() * compression_of_i;
-                    let force = pressure + viscous + impact;
-                    sums.all += force;
-                    sums.impact += impact;
-                    sums.ghosts += ghost;
-                    bodies.add(force, (viscous, impact, ghost), other);
-                },
-            );
-            *out = sums.into();
-        }
+        sweep.sum(block * BLOCK, forces.len(), |k, sums| {
+            *bodies += sums.of_bodies();
+            forces[k] = sums.into();
+        });
     });
 }
 
-/// [`PairForces`] while they are added up.
-struct ForceSums<const D: usize> {
-    all: Vector<D>,
-    viscous: Vector<D>,
-    impact: Vector<D>,
-    ghosts: Vector<D>,
-    volumes: Vector<D>,
-}
-
-impl<const D: usize> Default for ForceSums<D> {
-    fn default() -> Self {
-        let zero = Vector::ZERO;
-        Self { all: zero, viscous: zero, impact: zero, ghosts: zero, volumes: zero }
+impl<const D: usize> ForceSums<D> {
+    fn of_bodies(&self) -> BodySums {
+        let [power, viscous, impact, ghosts] = self.power;
+        let mut of_kind = [0.0; KINDS];
+        of_kind[Kind::Viscous as usize] = viscous;
+        of_kind[Kind::Impact as usize] = impact;
+        of_kind[Kind::Ghosts as usize] = ghosts;
+        let structures = self.structures.into();
+        BodySums { power, of_kind, walls: DVec3::from(self.bodies) - structures, structures }
     }
 }
 
@@ -143,23 +162,5 @@ impl<const D: usize> From<ForceSums<D>> for PairForces {
             ghosts: sums.ghosts.into(),
             volumes: sums.volumes.into(),
         }
-    }
-}
-
-impl BodySums {
-    /// Adds the force of one ghost on a fluid particle, and its viscous part, its impact, and what the ghost takes up.
-    fn add<const D: usize>(
-        &mut self,
-        force: Vector<D>,
-        (viscous, impact, ghost): (Vector<D>, Vector<D>, Vector<D>),
-        body: &Account<D>,
-    ) {
-        let v_w = body.wall_velocity;
-        self.power += force.dot(v_w);
-        self.of_kind[Kind::Viscous as usize] += viscous.dot(v_w);
-        self.of_kind[Kind::Impact as usize] += impact.dot(v_w);
-        self.of_kind[Kind::Ghosts as usize] += ghost.dot(v_w);
-        let sum = if body.table == STRUCTURE { &mut self.structures } else { &mut self.walls };
-        *sum += DVec3::from(force);
     }
 }

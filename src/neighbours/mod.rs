@@ -12,7 +12,7 @@ pub use build::{NeighbourSettings, Neighbours, NeighboursPlugin};
 pub use clusters::{CLUSTER, ClusterList, Near};
 pub use images::{Image, PeriodicSides};
 pub use list::{Pair, PairList, Pairs, sum_pairs};
-pub use sweep::{PairTerm, Sweep, sum_near};
+pub use sweep::{PairTerm, Sweep};
 
 use glam::DVec3;
 use images::add_images;

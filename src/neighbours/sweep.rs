@@ -6,7 +6,7 @@ use super::clusters::{CLUSTER, ClusterList, Near};
 use super::{Neighbours, Pair};
 use crate::kernels::PairKernel;
 use crate::lanes::{Fields, Lanes, Real, one_by_one, vectorised};
-use crate::particles::{Gathered, Records, Vector};
+use crate::particles::{Records, Vector};
 
 /// A sum over the neighbours of a fluid particle, as a stage writes it down: once, for numbers of any kind.
 pub trait PairTerm<const D: usize>: Sync {
@@ -187,33 +187,4 @@ fn separation<const D: usize, R: Real>(zero: R, x_i: Vector<D, R>, numbers: &[f6
         #[inline(always)]
         |k| zero.like(numbers[k]),
     ))
-}
-
-/// Calls `term(neighbour, pair)` for every pair of fluid particle `i` within the support, one by one: for sums that are not
-/// made every step.
-pub fn sum_near<const D: usize, T: Fields<With<f64> = T>>(
-    i: &Gathered<D, T>,
-    near: Near<'_>,
-    records: Records<'_, D, T>,
-    kernel: &dyn PairKernel,
-    mut term: impl FnMut(&T, &Pair<D>),
-) {
-    let mut batch = [0.0; BATCH];
-    for rows in [near.fluid, near.ghosts].into_iter().flat_map(|rows| rows.chunks(BATCH)) {
-        let gradients = &mut batch[..rows.len()];
-        one_by_one(
-            #[inline(always)]
-            || {
-                for (&row, out) in rows.iter().zip(&mut *gradients) {
-                    let r_ij = separation(0.0, i.position, records.row(row as usize));
-                    *out = r_ij.dot(r_ij);
-                }
-                kernel.gradients(gradients);
-                for (&row, &gradient) in rows.iter().zip(&*gradients).filter(|(_, gradient)| **gradient != 0.0) {
-                    let j = records.get(row as usize);
-                    term(&j.state, &Pair { r_ij: i.position - j.position, gradient });
-                }
-            },
-        );
-    }
 }
