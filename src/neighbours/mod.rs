@@ -8,6 +8,7 @@ mod list;
 mod sort;
 mod sweep;
 
+pub(crate) use build::FIRST_SKIN;
 pub use build::{NeighbourSettings, Neighbours, NeighboursPlugin};
 pub use clusters::{CLUSTER, ClusterList, Near};
 pub use images::{Image, PeriodicSides};

@@ -11,7 +11,7 @@ use super::{FluidsSection, Invalid, Resolution, SceneDocument, SceneSection};
 use crate::boundary::{StructuresSection, WallsSection};
 use crate::error::UserError;
 use crate::kernels::SmoothingKernel;
-use crate::neighbours::NeighbourSettings;
+use crate::neighbours::{FIRST_SKIN, NeighbourSettings};
 use crate::number::{bytes, plain, short};
 
 /// More particles than this are a mistake in the scene rather than a case that a machine of today runs.
@@ -85,7 +85,8 @@ impl Contents {
         let resolution = world.resource::<Resolution>();
         let Resolution { dimension, spacing, .. } = *resolution;
         let kernel = world.resource::<SmoothingKernel>();
-        let reach = (1.0 + world.resource::<NeighbourSettings>().skin) * kernel.0.radius() / spacing;
+        let skin = world.resource::<NeighbourSettings>().skin.unwrap_or(FIRST_SKIN);
+        let reach = (1.0 + skin) * kernel.0.radius() / spacing;
         let document = &world.resource::<SceneDocument>().0;
         let is_sound =
             |shape: &Shape| shape.check(dimension).is_ok() && limit_particles(shape.bounds(), resolution).is_ok();
