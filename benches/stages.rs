@@ -2,20 +2,19 @@
 //!
 //! Every figure is for one thread; `items` are fluid particles, so that items per second are particle updates.
 
-use bevy_app::App;
+mod support;
+
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::IntoSystem;
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use rayon::prelude::*;
-use storegga::app::{PaperPlugins, open};
-use storegga::clock::Clock;
+use storegga::kernels::SmoothingKernel;
 use storegga::neighbours::Neighbours;
 use storegga::particles::{Acceleration, Density, Fluid, GRAIN, PIECE, Velocity, Viscosity};
 use storegga::physics;
 use storegga::rheology::{HerschelBulkley, apply_flow_curve};
-use storegga::scene::Document;
-use storegga::schedule::Step;
+use support::{scene, tank};
 
 fn main() {
     // Stages run on rayon's global threads: one of them, unless the environment says otherwise.
@@ -28,24 +27,6 @@ fn main() {
 
 /// Fluid particles: of the tank at spacings of 4, 2 and 0.4 mm.
 const SPACINGS: [&str; 3] = ["0.004", "0.002", "0.0004"];
-
-/// The tank of the paper's section 3.1 with some values overridden, after some steps.
-fn tank(overrides: &[(&str, &str)]) -> (App, u64) {
-    let text = include_str!("../scenes/two_phase_tank.ron");
-    // The expectations of the shipped scene, and probes but `Books`, take no part in a step.
-    let overrides = [("expect", "[]")].into_iter().chain(overrides.iter().copied());
-    let document = overrides.fold(Document::parse("two_phase_tank.ron", text), |scene, (path, value)| {
-        scene.and_then(|scene| scene.set(path, value))
-    });
-    let mut app = document.and_then(|scene| open(PaperPlugins, scene)).expect("the shipped scene is right");
-    let world = app.world_mut();
-    for _ in 0..3 {
-        world.resource_mut::<Clock>().begin_step(f64::INFINITY);
-        world.run_schedule(Step);
-    }
-    let particles = world.query_filtered::<(), With<Fluid>>().iter(world).count() as u64;
-    (app, particles)
-}
 
 const SPACING: (&str, &str) = ("spacing", "0.002");
 const ANTUONO: (&str, &str) = ("diffusion", "Antuono(delta: 0.1)");
@@ -66,6 +47,18 @@ fn bench_stage_of<M>(
     let system = world.register_system(stage);
     bencher.counter(ItemsCount::new(particles)).bench_local(|| {
         assert!(black_box(world.run_system(system)).is_ok(), "a stage fails");
+    });
+}
+
+/// ∇W alone, for 256 pairs whose r² lie in the nearest cache: items are pairs.
+#[divan::bench]
+fn k1_kernel_gradient(bencher: Bencher<'_, '_>) {
+    let (app, _) = tank(&[("spacing", "0.02")]);
+    let kernel = app.world().resource::<SmoothingKernel>().clone();
+    let radius = kernel.0.radius();
+    let inputs = || std::array::from_fn::<f64, 256, _>(|k| (radius * (k as f64 + 0.5) / 256.0).powi(2));
+    bencher.counter(ItemsCount::new(256_u64)).with_inputs(inputs).bench_local_refs(|pairs| {
+        kernel.0.gradients(black_box(pairs));
     });
 }
 
@@ -162,22 +155,22 @@ fn t2_time_step_without_watch(bencher: Bencher<'_, '_>) {
 #[divan::bench(args = SPACINGS, sample_count = 10)]
 fn step(bencher: Bencher<'_, '_>, spacing: &str) {
     let (mut app, particles) = tank(&[("spacing", spacing)]);
-    let world = app.world_mut();
-    bencher.counter(ItemsCount::new(particles)).bench_local(|| {
-        world.resource_mut::<Clock>().begin_step(f64::INFINITY);
-        world.run_schedule(Step);
-    });
+    bencher.counter(ItemsCount::new(particles)).bench_local(|| support::step(app.world_mut()));
+}
+
+/// The tank in space at 5 mm: 1.28·10⁵ fluid particles of two phases, h = 1.0 spacing, 113 neighbours.
+#[divan::bench(sample_count = 10)]
+fn step_3d(bencher: Bencher<'_, '_>) {
+    let text = include_str!("../scenes/tank_3d.ron");
+    let (mut app, particles) = scene("tank_3d.ron", text, &[("spacing", "0.005")]);
+    bencher.counter(ItemsCount::new(particles)).bench_local(|| support::step(app.world_mut()));
 }
 
 /// The step at 2 mm with a value overridden, to be compared with the `step` at that spacing.
 #[divan::bench(args = ["free_surface=Off", "diffusion=Antuono(delta: 0.1)", "probes={\"books\": Books()}"], sample_count = 10)]
 fn step_with(bencher: Bencher<'_, '_>, value: &str) {
     let (mut app, particles) = tank(&[SPACING, value.split_once('=').expect("a path and a value")]);
-    let world = app.world_mut();
-    bencher.counter(ItemsCount::new(particles)).bench_local(|| {
-        world.resource_mut::<Clock>().begin_step(f64::INFINITY);
-        world.run_schedule(Step);
-    });
+    bencher.counter(ItemsCount::new(particles)).bench_local(|| support::step(app.world_mut()));
 }
 
 #[divan::bench(args = ["0.002"], sample_count = 10)]
@@ -186,7 +179,6 @@ fn step_with_new_lists(bencher: Bencher<'_, '_>, spacing: &str) {
     let world = app.world_mut();
     bencher.counter(ItemsCount::new(particles)).bench_local(|| {
         world.resource_mut::<Neighbours>().invalidate();
-        world.resource_mut::<Clock>().begin_step(f64::INFINITY);
-        world.run_schedule(Step);
+        support::step(world);
     });
 }

@@ -1,0 +1,82 @@
+//! The guard of the step's speed: `cargo bench --profile dev --bench guard` ends with exit code 1 if a step got slower.
+//!
+//! A machine that is twice as slow, or busy, must not raise it: what is compared are ratios of times taken alternately in one
+//! run on one thread, the fastest of each. The measure is the kernel's own loop: ∇W of as many pairs as the sweeps of a step meet, which
+//! no step can do without.
+
+mod support;
+
+use std::time::{Duration, Instant};
+
+use storegga::kernels::SmoothingKernel;
+use storegga::neighbours::Neighbours;
+use support::{step, tank};
+
+const ROUNDS: u32 = 15;
+
+/// Sweeps over the pairs of the fluid in a step: the middle of the drift, and the forces.
+const SWEEPS: usize = 2;
+
+/// A step may take this many times what the kernel takes for its pairs. Seen: 1.9 with AVX2.
+const MOST_KERNELS: f64 = 2.6;
+
+/// The plain loops take at least this many times as long as the fast ones. Seen: 3.2 with AVX2.
+const LEAST_GAIN: f64 = 2.2;
+
+/// New lists may take this many steps. Seen: 0.47 with AVX2.
+const MOST_STEPS_A_LIST: f64 = 0.75;
+
+fn main() {
+    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build_global();
+    assert!(one.is_ok(), "the thread pool was there before");
+    let spacing = ("spacing", "0.004");
+    let (mut fast, _) = tank(&[spacing]);
+    let (mut plain, _) = tank(&[spacing, ("neighbours", "(loops: Plain)")]);
+    let kernel = fast.world().resource::<SmoothingKernel>().clone();
+    let pairs = SWEEPS * fast.world().resource::<Neighbours>().fluid.len();
+
+    let [mut of_step, mut of_new_lists, mut of_plain, mut of_kernel] = [Duration::MAX; 4];
+    for _ in 0..ROUNDS {
+        take_least(&mut of_step, || step(fast.world_mut()));
+        take_least(&mut of_new_lists, || {
+            fast.world_mut().resource_mut::<Neighbours>().invalidate();
+            step(fast.world_mut());
+        });
+        take_least(&mut of_plain, || step(plain.world_mut()));
+        take_least(&mut of_kernel, || evaluate(&kernel, pairs));
+    }
+    let ratio = |a: Duration, b: Duration| a.as_secs_f64() / b.as_secs_f64();
+    let lists = of_new_lists.saturating_sub(of_step);
+    let checks = [
+        ("a step, in times of the kernel for its pairs", ratio(of_step, of_kernel), 0.0..=MOST_KERNELS),
+        ("plain loops, in times of fast ones", ratio(of_plain, of_step), LEAST_GAIN..=f64::INFINITY),
+        ("new lists, in steps", ratio(lists, of_step), 0.0..=MOST_STEPS_A_LIST),
+    ];
+    println!("step {of_step:?}, with new lists {of_new_lists:?}, plain {of_plain:?}, kernel {of_kernel:?}");
+    let mut slower = false;
+    for (what, found, range) in checks {
+        let is_right = range.contains(&found);
+        slower |= !is_right;
+        println!("{} {what}: {found:.2} (in {range:?})", if is_right { "ok  " } else { "FAIL" });
+    }
+    std::process::exit(i32::from(slower));
+}
+
+fn take_least(least: &mut Duration, what: impl FnOnce()) {
+    let start = Instant::now();
+    what();
+    *least = start.elapsed().min(*least);
+}
+
+/// The kernel's gradient for `pairs` pairs, as many at once as a sweep asks for.
+fn evaluate(kernel: &SmoothingKernel, pairs: usize) {
+    const AT_ONCE: usize = 256;
+    let radius = kernel.0.radius();
+    let mut batch = [0.0; AT_ONCE];
+    for _ in 0..pairs.div_ceil(AT_ONCE) {
+        for (k, r_squared) in batch.iter_mut().enumerate() {
+            *r_squared = radius * radius * (k as f64 + 0.5) / AT_ONCE as f64;
+        }
+        kernel.0.gradients(std::hint::black_box(&mut batch));
+    }
+}
