@@ -30,8 +30,8 @@ fn main() {
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build_global();
     assert!(one.is_ok(), "the thread pool was there before");
     let spacing = ("spacing", "0.004");
-    let (mut fast, _) = tank(&[spacing]);
-    let (mut plain, _) = tank(&[spacing, ("neighbours", "(loops: Plain)")]);
+    let (mut fast, _) = tank(2, &[spacing]);
+    let (mut plain, _) = tank(2, &[spacing, ("neighbours", "(loops: Plain)")]);
     let kernel = fast.world().resource::<SmoothingKernel>().clone();
     let pairs = SWEEPS * fast.world().resource::<Neighbours>().fluid.len();
 

@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use clap::Parser;
 use rayon::ThreadPoolBuilder;
-use support::{scene, step};
+use support::{step, tank};
 
 /// Times steps of the two-phase tank, in two and three dimensions, for each size and number of threads.
 ///
@@ -49,11 +49,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut table = csv::Writer::from_writer(File::create(&arguments.out)?);
     table.write_record(HEADER)?;
     println!("{}", HEADER.map(|name| format!("{name:>16}")).concat());
-    let plane = ("two_phase_tank.ron", include_str!("../scenes/two_phase_tank.ron"), &arguments.spacings);
-    let space = ("tank_3d.ron", include_str!("../scenes/tank_3d.ron"), &arguments.spacings_3d);
-    for (dimension, (name, text, spacings)) in [(2, plane), (3, space)] {
+    for (dimension, spacings) in [(2, &arguments.spacings), (3, &arguments.spacings_3d)] {
         for spacing in spacings {
-            let (mut app, particles) = scene(name, text, &[("spacing", spacing)]);
+            let (mut app, particles) = tank(dimension, &[("spacing", spacing)]);
             let world = app.world_mut();
             for &threads in &threads {
                 let pool = ThreadPoolBuilder::new().num_threads(threads).build()?;

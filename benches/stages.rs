@@ -14,7 +14,7 @@ use storegga::neighbours::Neighbours;
 use storegga::particles::{Acceleration, Density, Fluid, GRAIN, PIECE, Velocity, Viscosity};
 use storegga::physics;
 use storegga::rheology::{HerschelBulkley, apply_flow_curve};
-use support::{scene, tank};
+use support::tank;
 
 fn main() {
     // Stages run on rayon's global threads: one of them, unless the environment says otherwise.
@@ -40,7 +40,7 @@ fn bench_stage_of<M>(
     bencher: Bencher<'_, '_>,
     stage: impl IntoSystem<(), (), M> + 'static,
 ) {
-    let (mut app, particles) = tank(overrides);
+    let (mut app, particles) = tank(2, overrides);
     let world = app.world_mut();
     // A stage that is benched makes its sums by itself.
     world.resource_mut::<physics::MidwaySums>().clear();
@@ -53,7 +53,7 @@ fn bench_stage_of<M>(
 /// ∇W alone, for 256 pairs whose r² lie in the nearest cache: items are pairs.
 #[divan::bench]
 fn k1_kernel_gradient(bencher: Bencher<'_, '_>) {
-    let (app, _) = tank(&[("spacing", "0.02")]);
+    let (app, _) = tank(2, &[("spacing", "0.02")]);
     let kernel = app.world().resource::<SmoothingKernel>().clone();
     let radius = kernel.0.radius();
     let inputs = || std::array::from_fn::<f64, 256, _>(|k| (radius * (k as f64 + 0.5) / 256.0).powi(2));
@@ -154,28 +154,27 @@ fn t2_time_step_without_watch(bencher: Bencher<'_, '_>) {
 
 #[divan::bench(args = SPACINGS, sample_count = 10)]
 fn step(bencher: Bencher<'_, '_>, spacing: &str) {
-    let (mut app, particles) = tank(&[("spacing", spacing)]);
+    let (mut app, particles) = tank(2, &[("spacing", spacing)]);
     bencher.counter(ItemsCount::new(particles)).bench_local(|| support::step(app.world_mut()));
 }
 
 /// The tank in space at 5 mm: 1.28·10⁵ fluid particles of two phases, h = 1.0 spacing, 113 neighbours.
 #[divan::bench(sample_count = 10)]
 fn step_3d(bencher: Bencher<'_, '_>) {
-    let text = include_str!("../scenes/tank_3d.ron");
-    let (mut app, particles) = scene("tank_3d.ron", text, &[("spacing", "0.005")]);
+    let (mut app, particles) = tank(3, &[("spacing", "0.005")]);
     bencher.counter(ItemsCount::new(particles)).bench_local(|| support::step(app.world_mut()));
 }
 
 /// The step at 2 mm with a value overridden, to be compared with the `step` at that spacing.
 #[divan::bench(args = ["free_surface=Off", "diffusion=Antuono(delta: 0.1)", "probes={\"books\": Books()}"], sample_count = 10)]
 fn step_with(bencher: Bencher<'_, '_>, value: &str) {
-    let (mut app, particles) = tank(&[SPACING, value.split_once('=').expect("a path and a value")]);
+    let (mut app, particles) = tank(2, &[SPACING, value.split_once('=').expect("a path and a value")]);
     bencher.counter(ItemsCount::new(particles)).bench_local(|| support::step(app.world_mut()));
 }
 
 #[divan::bench(args = ["0.002"], sample_count = 10)]
 fn step_with_new_lists(bencher: Bencher<'_, '_>, spacing: &str) {
-    let (mut app, particles) = tank(&[("spacing", spacing)]);
+    let (mut app, particles) = tank(2, &[("spacing", spacing)]);
     let world = app.world_mut();
     bencher.counter(ItemsCount::new(particles)).bench_local(|| {
         world.resource_mut::<Neighbours>().invalidate();

@@ -8,13 +8,14 @@ use storegga::particles::Fluid;
 use storegga::scene::Document;
 use storegga::schedule::Step;
 
-/// The tank of the paper's section 3.1 with some values overridden, after some steps, and its number of fluid particles.
-pub fn tank(overrides: &[(&str, &str)]) -> (App, u64) {
-    scene("two_phase_tank.ron", include_str!("../../scenes/two_phase_tank.ron"), overrides)
-}
-
-/// The shipped scene `name` that is `text`, as [`tank`].
-pub fn scene(name: &str, text: &str, overrides: &[(&str, &str)]) -> (App, u64) {
+/// The two-phase tank in the plane (the paper's section 3.1) or in space with some values overridden, after some steps, and its
+/// number of fluid particles.
+pub fn tank(dimension: usize, overrides: &[(&str, &str)]) -> (App, u64) {
+    let (name, text) = if dimension == 2 {
+        ("two_phase_tank.ron", include_str!("../../scenes/two_phase_tank.ron"))
+    } else {
+        ("tank_3d.ron", include_str!("../../scenes/tank_3d.ron"))
+    };
     // The expectations of the shipped scene, and probes but `Books`, take no part in a step.
     let overrides = [("expect", "[]")].into_iter().chain(overrides.iter().copied());
     let document = overrides
