@@ -1,7 +1,8 @@
 //! Point clouds: one packed row of bytes per particle, inside a `foxglove.PointCloud`.
 
-use std::{mem, ops::Range};
+use std::ops::Range;
 
+use foxglove::Encode;
 use foxglove::messages::{
     PackedElementField, PointCloud, Pose, Quaternion, Timestamp, Vector3, packed_element_field::NumericType,
 };
@@ -159,7 +160,7 @@ fn put<const N: usize>(rows: &mut [u8], stride: usize, offset: usize, values: im
     }
 }
 
-/// A cloud of points as the writer keeps it: its message, whose bytes are packed anew for each frame.
+/// A cloud of points as the writer keeps it: its message without the rows.
 #[derive(Debug)]
 pub(super) struct Points {
     pub channel: u16,
@@ -190,30 +191,49 @@ impl Points {
         Self { channel, sequence: 0, kinds: fields.iter().map(|field| field.kind).collect(), cloud }
     }
 
-    /// Packs the particles of one frame and returns the message, or says why the columns do not fit.
-    pub fn pack(&mut self, timestamp: Timestamp, columns: &[Column]) -> Result<&PointCloud, &'static str> {
+    /// Writes the message of one frame to `out`, or says why the columns do not fit.
+    pub fn encode(&mut self, timestamp: Timestamp, columns: &[Column], out: &mut Vec<u8>) -> Result<(), String> {
         if !columns.iter().flat_map(Column::kinds).eq(&self.kinds) {
-            return Err("the columns of a point cloud are not those its topic was added with");
+            return Err("the columns of a point cloud are not those its topic was added with".to_owned());
         }
         let count = columns.first().map_or(0, Column::len);
         if columns.iter().any(|column| column.len() != count) {
-            return Err("the columns of a point cloud differ in length");
+            return Err("the columns of a point cloud differ in length".to_owned());
         }
         let stride = self.cloud.point_stride as usize;
-        // The bytes are the message's alone, so this takes the last frame's buffer back without a copy.
-        let mut rows = Vec::from(mem::take(&mut self.cloud.data));
-        rows.resize(count * stride, 0);
-        for (index, block) in rows.chunks_mut(BLOCK * stride).enumerate() {
-            let start = index * BLOCK;
-            let particles = start..start + block.len() / stride;
+        self.cloud.timestamp = Some(timestamp);
+        out.clear();
+        out.reserve_exact(self.cloud.encoded_len().unwrap_or_default() + DATA_HEAD + count * stride);
+        self.cloud.encode(out).map_err(|error| error.to_string())?;
+        // The rows, which are most of it, are packed where they are to be: the message has no `data` of its own.
+        out.push(DATA_TAG);
+        put_varint(out, (count * stride) as u64);
+        let start = out.len();
+        out.resize(start + count * stride, 0);
+        for (index, block) in out[start..].chunks_mut(BLOCK * stride).enumerate() {
+            let first = index * BLOCK;
+            let particles = first..first + block.len() / stride;
             let mut offset = 0;
             for column in columns {
                 column.put(block, stride, offset, particles.clone());
                 offset += column.size();
             }
         }
-        self.cloud.data = rows.into();
-        self.cloud.timestamp = Some(timestamp);
-        Ok(&self.cloud)
+        Ok(())
     }
+}
+
+/// Number 6 of `foxglove.PointCloud`, its last field, `data`: bytes with their length before them.
+const DATA_TAG: u8 = 6 << 3 | 2;
+
+/// Most bytes before the rows: the tag and a length.
+const DATA_HEAD: usize = 11;
+
+/// Seven bits a byte, the lowest first; all bytes but the last have the highest bit set.
+fn put_varint(out: &mut Vec<u8>, mut value: u64) {
+    while value > 0x7f {
+        out.push(value as u8 | 0x80);
+        value >>= 7;
+    }
+    out.push(value as u8);
 }

@@ -159,10 +159,7 @@ impl LogWriter {
             return Err(self.error("a point cloud belongs to another log"));
         };
         let header = header(points.channel, &mut points.sequence, nanos);
-        let encoded = match points.pack(timestamp(nanos), columns) {
-            Ok(cloud) => encode(cloud, &mut self.scratch),
-            Err(misfit) => return Err(self.error(misfit)),
-        };
+        let encoded = points.encode(timestamp(nanos), columns, &mut self.scratch);
         self.write_scratch(encoded, header)
     }
 
