@@ -15,7 +15,7 @@ use crate::scene::{Resolution, bytes_of};
 const PROGRAM: f64 = 12e6;
 
 /// Time (s) of one thread for a pair that a sweep meets, in a step, all stages together.
-const SECONDS_PER_PAIR: f64 = 10e-9;
+const SECONDS_PER_PAIR: f64 = 8e-9;
 
 /// Bytes of a fluid particle in a frame of the log, compressed.
 const BYTES_PER_FRAME: f64 = 38.0;

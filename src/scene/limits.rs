@@ -43,9 +43,9 @@ pub(crate) fn limit_particles((min, max): (DVec3, DVec3), resolution: &Resolutio
     ))
 }
 
-/// Bytes that a particle takes besides its pairs: its columns, the change ticks of each and their copies while they are
-/// re-sorted, the packed records of the sweeps, its place in the grid, its part of a frame of the log.
-const BYTES_PER_PARTICLE: f64 = 1100.0;
+/// Bytes that a particle takes besides its pairs: its columns and the change ticks of each, the packed records of the sweeps, where it
+/// was when lists were built, its part of a frame of the log and of that frame's chunk.
+const BYTES_PER_PARTICLE: f64 = 680.0;
 
 /// Bytes of a pair that a sweep over the fluid meets: a quarter of the neighbour's row, since four particles share a list.
 const BYTES_PER_FLUID_PAIR: f64 = 1.0;
