@@ -12,19 +12,19 @@ use storegga::kernels::SmoothingKernel;
 use storegga::neighbours::Neighbours;
 use support::{step, tank};
 
-const ROUNDS: u32 = 15;
+const ROUNDS: u32 = 60;
 
 /// Sweeps over the pairs of the fluid in a step: the middle of the drift, and the forces.
 const SWEEPS: usize = 2;
 
 /// A step may take this many times what the kernel takes for its pairs. Seen: 3.5 with AVX2.
-const MOST_KERNELS: f64 = 4.0;
+const MOST_KERNELS: f64 = 4.5;
 
 /// The plain loops take at least this many times as long as the fast ones. Seen: 2.8 with AVX2.
-const LEAST_GAIN: f64 = 2.3;
+const LEAST_GAIN: f64 = 2.2;
 
 /// New lists may take this many steps. Seen: 0.6 with AVX2.
-const MOST_STEPS_A_LIST: f64 = 0.75;
+const MOST_STEPS_A_LIST: f64 = 0.85;
 
 fn main() {
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build_global();
