@@ -208,6 +208,8 @@ fn set_skin(mut neighbours: ResMut<Neighbours>, settings: Res<NeighbourSettings>
     let travelled_a_step = neighbours.travelled / neighbours.steps as f64;
     let with_flow = || match neighbours.builds {
         0 => FIRST_SKIN,
+        // Particles were put elsewhere: how fast they are is not known.
+        _ if travelled_a_step.is_infinite() => neighbours.skin / radius,
         _ => (SKIN_FOR_MOTION * (travelled_a_step / radius).sqrt()).clamp(LEAST_SKIN, GREATEST_SKIN),
     };
     let skin = settings.skin.unwrap_or_else(with_flow) * radius;
