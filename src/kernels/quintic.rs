@@ -32,13 +32,13 @@ impl Kernel for QuinticSpline {
     fn w(&self, q: f64) -> f64 {
         let (a, b, c) = (positive_part(3.0 - q), positive_part(2.0 - q), positive_part(1.0 - q));
         let (a2, b2, c2) = (a * a, b * b, c * c);
-        (15.0 * c2 * c2).mul_add(c, (-6.0 * b2 * b2).mul_add(b, a2 * a2 * a))
+        a2 * a2 * a - 6.0 * (b2 * b2 * b) + 15.0 * (c2 * c2 * c)
     }
 
     #[inline(always)]
     fn dw_dq(&self, q: f64) -> f64 {
         let (a, b, c) = (positive_part(3.0 - q), positive_part(2.0 - q), positive_part(1.0 - q));
         let (a2, b2, c2) = (a * a, b * b, c * c);
-        (-75.0 * c2).mul_add(c2, (30.0 * b2).mul_add(b2, -5.0 * a2 * a2))
+        -5.0 * (a2 * a2 - 6.0 * (b2 * b2) + 15.0 * (c2 * c2))
     }
 }
