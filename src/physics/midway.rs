@@ -16,15 +16,15 @@ use rayon::prelude::*;
 use super::continuity::{Continuity, Flux};
 use super::diffusion::{Compression, Diffusion, Strength};
 use super::free_surface::Filling;
-use super::strain_rate::{Flow, Matrix, VelocityGradient, flow_volume};
+use super::strain_rate::{Flow, GhostColumns, Ghosts, Matrix, VelocityGradient, flow_volume};
 use super::{CompressionGradients, DensityDiffusion, EquationOfState, Gravity, StrainSettings};
 use crate::clock::Clock;
 use crate::kernels::SmoothingKernel;
 use crate::lanes::{Real, fields};
 use crate::neighbours::{Neighbours, Pair, PairTerm, Sweep};
 use crate::particles::{
-    Density, DensityRate, Fluid, Gathered, GhostVelocity, Mass, PIECE, Position, ReferenceDensity, ShearRate, Slip,
-    Solid, Vector, Velocity, Volume, Wall, WallAcceleration, WallVelocity, Workspace, columns,
+    Density, DensityRate, Fluid, Gathered, Mass, PIECE, Position, ReferenceDensity, ShearRate, Solid, Vector, Velocity,
+    Wall, WallAcceleration, WallVelocity, Workspace, columns,
 };
 
 /// Sums that wait for their stages; empty where each stage makes its own.
@@ -145,17 +145,6 @@ type FluidState = (
     &'static mut ShearRate,
     &'static mut DensityRate,
 );
-type Ghosts = (
-    &'static Position,
-    &'static WallVelocity,
-    &'static WallAcceleration,
-    &'static GhostVelocity,
-    &'static Volume,
-    &'static Slip,
-);
-type GhostColumns<'a> =
-    (&'a [Position], &'a [WallVelocity], &'a [WallAcceleration], &'a [GhostVelocity], &'a [Volume], &'a [Slip]);
-
 /// Makes the sums, and from them γ̇ and dρ/dt (the diffusion not included) of every fluid particle.
 pub fn midway_sums<const D: usize>(
     clock: Res<Clock>,

@@ -105,7 +105,8 @@ pub(super) fn flow_volume(volume: Volume, slip: Slip) -> f64 {
     if slip == Slip::FreeSlip { 0.0 } else { volume.0 }
 }
 
-type Ghosts = (
+/// What ∇v needs of ghosts.
+pub(super) type Ghosts = (
     &'static Position,
     &'static WallVelocity,
     &'static WallAcceleration,
@@ -113,7 +114,8 @@ type Ghosts = (
     &'static Volume,
     &'static Slip,
 );
-type GhostColumns<'a> =
+/// [`Ghosts`] as whole columns.
+pub(super) type GhostColumns<'a> =
     (&'a [Position], &'a [WallVelocity], &'a [WallAcceleration], &'a [GhostVelocity], &'a [Volume], &'a [Slip]);
 
 /// Computes γ̇ of every fluid particle.
