@@ -10,7 +10,8 @@ use crate::outputs::{OutputKind, OutputTimes};
 use crate::particles::{Fluid, Solid, Wall};
 use crate::phases::phases;
 use crate::physics::{
-    EquationOfState, GREATEST_COMPRESSION, LEAST_DETERMINANT, LEAST_FILLING, LEAST_RATIO, fullness_in_front,
+    CLEAR_FILLING, EquationOfState, GREATEST_COMPRESSION, LEAST_DETERMINANT, LEAST_FILLING, LEAST_RATIO,
+    fullness_in_front,
 };
 use crate::probes::{DEPTH, DRY, LEAST_SHARE, RIM};
 use crate::scene::{Resolution, SceneInfo, WALL_CLEARANCE};
@@ -98,6 +99,7 @@ pub fn fixed_numbers(world: &World) -> Vec<Fact> {
     let fixed = [
         ("fluid_clearance_of_bodies", "spacings", WALL_CLEARANCE),
         ("free_surface.least_filling", "", LEAST_FILLING),
+        ("free_surface.clear_filling", "", CLEAR_FILLING),
         ("wall_impact.phi_0", "", phi_0),
         ("wall_impact.phi_1", "", phi_1),
         ("strain_rate.least_determinant", "", LEAST_DETERMINANT),

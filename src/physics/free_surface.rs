@@ -49,8 +49,8 @@ impl SceneSettings for FreeSurface {
 /// φ of a point on a flat surface: below it a particle is detached.
 pub(crate) const LEAST_FILLING: f64 = 0.5;
 
-/// A particle with more than this φ in the middle of the drift is not detached at its end.
-const CLEAR_FILLING: f64 = 0.58;
+/// A particle with more than this φ in the middle of the drift is taken not to be detached at its end; below, φ is summed anew there.
+pub(crate) const CLEAR_FILLING: f64 = 0.58;
 
 /// Sets density and pressure of every fluid particle that is detached.
 pub fn free_surface<const D: usize>(

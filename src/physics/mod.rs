@@ -42,7 +42,7 @@ pub use wall_impact::{ImpactPressure, WallImpact, wall_impact};
 
 pub(crate) use compression_gradient::LEAST_RATIO;
 pub(crate) use divergence::{GREATEST_COMPRESSION, MOST_STEPS, settle_least_time_step};
-pub(crate) use free_surface::LEAST_FILLING;
+pub(crate) use free_surface::{CLEAR_FILLING, LEAST_FILLING};
 pub(crate) use momentum::{
     FluidColumns, FluidState, GhostColumns, GhostState, impact_force, mean_viscosity, pair_forces, with_forms,
 };
