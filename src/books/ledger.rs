@@ -13,7 +13,7 @@ use crate::neighbours::PeriodicSides;
 use crate::particles::{
     Acceleration, Density, DensityRate, Fluid, Mass, Position, Pressure, ReferenceDensity, Velocity, columns,
 };
-use crate::physics::{EquationOfState, Gravity};
+use crate::physics::{EquationOfState, ForceSums, Gravity};
 
 /// Energies and works (J; J/m in 2D) and impulses (N s; N s/m) since the start.
 #[derive(Resource, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
@@ -115,7 +115,7 @@ pub(super) fn close_step(
     state: Res<EquationOfState>,
     gravity: Res<Gravity>,
     periodic: Res<PeriodicSides>,
-    mut sheet: ResMut<Worksheet>,
+    (mut sheet, pair_forces): (ResMut<Worksheet>, Res<ForceSums>),
     mut blocks: Local<Vec<StepSums>>,
     fluid: Query<FluidState, With<Fluid>>,
     mut ledger: ResMut<Ledger>,
@@ -131,8 +131,8 @@ pub(super) fn close_step(
         let [compression, now] = [before.density, rho].map(|rho| m * state.compression_energy(rho, rho0));
         let integrated = rho == before.density + dt * rate[i].0;
         let diffused = dt * (rate[i].0 - before.continuity);
-        let PairForces { all, viscous, impact, ghosts, volumes } = forces[i];
-        let body = m * a - all;
+        let PairForces { viscous, impact, ghosts, volumes } = forces[i];
+        let body = m * a - pair_forces.forces[i];
         let of_kind = [viscous, impact, ghosts, volumes, body - m * g];
         StepSums {
             kinetic: 0.5 * m * v.length_squared(),

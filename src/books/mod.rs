@@ -82,7 +82,7 @@ impl Plugin for BooksPlugin {
             Step,
             (
                 sums::note_before.after(Stage::Continuity).before(Stage::Diffusion),
-                pair_forces.after(Stage::Momentum).before(Stage::BodyForce),
+                pair_forces.after(Stage::WallImpact).before(Stage::Momentum),
                 ledger::close_step.after(Stage::Loads).before(Stage::SecondKick),
             )
                 .run_if(any_with_component::<Books>),

@@ -28,8 +28,6 @@ pub(super) enum Kind {
 /// Forces on a fluid particle (N; N/m in 2D).
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct PairForces {
-    /// All pair forces.
-    pub all: DVec3,
     pub viscous: DVec3,
     pub impact: DVec3,
     /// Σ_b G_ib.

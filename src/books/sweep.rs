@@ -1,4 +1,6 @@
 //! The pair forces of a step, told apart: what [`momentum`](crate::physics::momentum) adds up, and `N_ij` and `G_ib`.
+//!
+//! Their sum is left for that stage in [`ForceSums`], so that there is one sweep for both.
 
 use std::marker::PhantomData;
 
@@ -12,16 +14,14 @@ use crate::lanes::{Real, fields};
 use crate::neighbours::{Neighbours, Pair, PairTerm, Sweep};
 use crate::particles::{Fluid, Gathered, Records, Solid, Vector, Wall, WallVelocity, Workspace, columns};
 use crate::physics::{
-    FluidColumns, FluidState, GhostColumns, GhostState, Momentum, MomentumSettings, PressureAverage, ViscousForce,
-    impact_force, mean_viscosity, pair_forces as pair_forces_of, with_forms,
+    Contact, FluidColumns, FluidState, ForceSums, Forces, GhostColumns, GhostState, Momentum, MomentumSettings,
+    PressureAverage, ViscousForce, impact_force, mean_viscosity, pair_forces as pair_forces_of, with_forms,
 };
 
 fields! {
     /// What the books need of a particle.
     pub(super) struct Account<D> {
-        momentum: Momentum<D>,
-        /// p^w of a fluid particle.
-        impact: f64,
+        contact: Contact<D>,
         /// V.
         volume: f64,
         /// v_w of a ghost.
@@ -33,7 +33,7 @@ fields! {
 
 fields! {
     /// Forces on a fluid particle, and what walls and structures do with those that are theirs.
-    pub(super) struct ForceSums<D> {
+    pub(super) struct Parts<D> {
         all: Vector<D>,
         viscous: Vector<D>,
         impact: Vector<D>,
@@ -53,27 +53,26 @@ struct Apart<P, V>(PhantomData<fn() -> (P, V)>);
 
 impl<const D: usize, P: PressureAverage, V: ViscousForce> PairTerm<D> for Apart<P, V> {
     type State = Account<D>;
-    type Sum = ForceSums<D>;
+    type Sum = Parts<D>;
 
     #[inline(always)]
-    fn fluid<R: Real>(&self, sum: &mut ForceSums<D, R>, own: &Account<D, R>, other: &Account<D, R>, pair: &Pair<D, R>) {
-        let (i, j) = (&own.momentum, &other.momentum);
+    fn fluid<R: Real>(&self, sum: &mut Parts<D, R>, own: &Account<D, R>, other: &Account<D, R>, pair: &Pair<D, R>) {
+        Forces::<P, V>::default().fluid(&mut sum.all, &own.contact, &other.contact, pair);
+        let (i, j) = (&own.contact.momentum, &other.contact.momentum);
         let mu_ij = mean_viscosity(i.viscosity, j.viscosity);
-        let (pressure, viscous) = pair_forces_of::<D, R, P, V>(mu_ij, i, j, pair);
+        V::add_to(&mut sum.viscous, mu_ij, i, j, pair);
         let compression = (i.pressure + j.pressure) * own.volume * other.volume;
-        sum.all += pressure + viscous;
-        sum.viscous += viscous;
-        sum.volumes += pressure + pair.grad_w() * compression;
+        sum.volumes.add_product(pair.r_ij, (compression - P::average(i, j)) * pair.gradient);
     }
 
     #[inline(always)]
-    fn ghost<R: Real>(&self, sum: &mut ForceSums<D, R>, own: &Account<D, R>, body: &Account<D, R>, pair: &Pair<D, R>) {
-        let (i, b) = (&own.momentum, &body.momentum);
+    fn ghost<R: Real>(&self, sum: &mut Parts<D, R>, own: &Account<D, R>, body: &Account<D, R>, pair: &Pair<D, R>) {
+        Forces::<P, V>::default().ghost(&mut sum.all, &own.contact, &body.contact, pair);
+        let (i, b) = (&own.contact.momentum, &body.contact.momentum);
         let (pressure, viscous) = pair_forces_of::<D, R, P, V>(i.viscosity * b.viscosity, i, b, pair);
-        let impact = impact_force(own.impact, i, b, pair);
+        let impact = impact_force(own.contact.impact, i, b, pair);
         let ghost = pressure + pair.grad_w() * (i.pressure * own.volume * body.volume);
         let force = pressure + viscous + impact;
-        sum.all += force;
         sum.viscous += viscous;
         sum.impact += impact;
         sum.ghosts += ghost;
@@ -92,7 +91,8 @@ fn ghosts<'a, const D: usize>(
 ) -> impl Fn(usize) -> Gathered<D, Account<D>> + Sync + Send + use<'a, D> {
     move |b: usize| {
         let momentum = Momentum::ghost(v[b], volume[b], rho[b], p[b], slip[b]);
-        let state = Account { momentum, impact: 0.0, volume: volume[b].0, wall_velocity: v_w[b].0.into(), structure };
+        let contact = Contact { momentum, impact: 0.0 };
+        let state = Account { contact, volume: volume[b].0, wall_velocity: v_w[b].0.into(), structure };
         Gathered { position: x[b].0.into(), state }
     }
 }
@@ -103,7 +103,7 @@ pub(super) fn pair_forces<const D: usize>(
     kernel: Res<SmoothingKernel>,
     neighbours: Res<Neighbours>,
     mut workspace: ResMut<Workspace>,
-    mut sheet: ResMut<Worksheet>,
+    (mut sheet, mut all): (ResMut<Worksheet>, ResMut<ForceSums>),
     fluid: Query<FluidState, With<Fluid>>,
     walls: Query<(GhostState, &WallVelocity), With<Wall>>,
     structures: Query<(GhostState, &WallVelocity), With<Solid>>,
@@ -113,14 +113,17 @@ pub(super) fn pair_forces<const D: usize>(
     let own = |i: usize| {
         let momentum = Momentum::fluid(v[i], m[i], rho[i], p[i], mu[i]);
         let volume = m[i].0 / rho[i].0;
-        let state = Account { momentum, impact: impact[i].0, volume, wall_velocity: Vector::ZERO, structure: 0.0 };
+        let contact = Contact { momentum, impact: impact[i].0 };
+        let state = Account { contact, volume, wall_velocity: Vector::ZERO, structure: 0.0 };
         Gathered { position: x[i].0.into(), state }
     };
     let records = workspace.gather::<D, Account<D>>(&neighbours.rows, own, walls, structures);
     let sheet = &mut *sheet;
+    all.forces.resize(x.len(), DVec3::ZERO);
+    all.are_new = true;
     sheet.forces.resize(x.len(), PairForces::default());
     sheet.body_blocks.resize(x.len().div_ceil(BLOCK), BodySums::default());
-    let out = (&mut sheet.forces[..], &mut sheet.body_blocks[..]);
+    let out = (&mut all.forces[..], &mut sheet.forces[..], &mut sheet.body_blocks[..]);
     with_forms!(settings, tell_apart::<D>(&neighbours, &kernel, records, out));
     sheet.bodies = sum(sheet.body_blocks.iter().copied());
 }
@@ -129,19 +132,21 @@ fn tell_apart<const D: usize, P: PressureAverage, V: ViscousForce>(
     neighbours: &Neighbours,
     kernel: &SmoothingKernel,
     records: Records<'_, D, Account<D>>,
-    (forces, blocks): (&mut [PairForces], &mut [BodySums]),
+    (all, forces, blocks): (&mut [DVec3], &mut [PairForces], &mut [BodySums]),
 ) {
     let sweep = Sweep::new(neighbours, &*kernel.0, records, Apart::<P, V>(PhantomData));
-    forces.par_chunks_mut(BLOCK).zip(blocks).enumerate().for_each(|(block, (forces, bodies))| {
+    let blocks = all.par_chunks_mut(BLOCK).zip(forces.par_chunks_mut(BLOCK)).zip(blocks);
+    blocks.enumerate().for_each(|(block, ((all, forces), bodies))| {
         *bodies = BodySums::default();
         sweep.sum(block * BLOCK, forces.len(), |k, sums| {
             *bodies += sums.of_bodies();
+            all[k] = sums.all.into();
             forces[k] = sums.into();
         });
     });
 }
 
-impl<const D: usize> ForceSums<D> {
+impl<const D: usize> Parts<D> {
     fn of_bodies(&self) -> BodySums {
         let [power, viscous, impact, ghosts] = self.power;
         let mut of_kind = [0.0; KINDS];
@@ -153,10 +158,9 @@ impl<const D: usize> ForceSums<D> {
     }
 }
 
-impl<const D: usize> From<ForceSums<D>> for PairForces {
-    fn from(sums: ForceSums<D>) -> Self {
+impl<const D: usize> From<Parts<D>> for PairForces {
+    fn from(sums: Parts<D>) -> Self {
         Self {
-            all: sums.all.into(),
             viscous: sums.viscous.into(),
             impact: sums.impact.into(),
             ghosts: sums.ghosts.into(),

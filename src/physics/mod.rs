@@ -31,7 +31,7 @@ pub use ghost_pressure::ghost_pressure;
 pub use ghost_velocity::ghost_velocity;
 pub use integration::drift;
 pub use midway::{MidwaySums, midway_sums};
-pub use momentum::{Contact, Momentum, MomentumSettings, momentum};
+pub use momentum::{Contact, ForceSums, Momentum, MomentumSettings, momentum};
 pub use pair_kernel::pair_kernel;
 pub use plugin::PhysicsPlugin;
 pub use pressure_force::{DensityWeighted, PressureAverage, PressureForm, VolumeWeighted};
@@ -44,7 +44,7 @@ pub(crate) use compression_gradient::LEAST_RATIO;
 pub(crate) use divergence::{GREATEST_COMPRESSION, MOST_STEPS, settle_least_time_step};
 pub(crate) use free_surface::{CLEAR_FILLING, LEAST_FILLING};
 pub(crate) use momentum::{
-    FluidColumns, FluidState, GhostColumns, GhostState, impact_force, mean_viscosity, pair_forces, with_forms,
+    FluidColumns, FluidState, Forces, GhostColumns, GhostState, impact_force, mean_viscosity, pair_forces, with_forms,
 };
 pub(crate) use strain_rate::LEAST_DETERMINANT;
 pub(crate) use wall_impact::fullness_in_front;

@@ -7,6 +7,7 @@
 use std::marker::PhantomData;
 
 use bevy_ecs::prelude::*;
+use glam::DVec3;
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -16,8 +17,8 @@ use crate::kernels::SmoothingKernel;
 use crate::lanes::{Real, fields};
 use crate::neighbours::{Neighbours, Pair, PairTerm, Sweep};
 use crate::particles::{
-    Acceleration, Density, Fluid, Gathered, GhostVelocity, Mass, PIECE, Position, Pressure, Records, Slip, Solid,
-    Vector, Velocity, Viscosity, Volume, Wall, Workspace, columns,
+    Acceleration, Density, Fluid, GRAIN, Gathered, GhostVelocity, Mass, PIECE, Position, Pressure, Records, Slip,
+    Solid, Vector, Velocity, Viscosity, Volume, Wall, Workspace, columns,
 };
 use crate::scene::SceneSettings;
 
@@ -139,7 +140,23 @@ fields! {
 }
 
 /// Forces of the chosen forms, added up.
-struct Forces<P, V>(PhantomData<fn() -> (P, V)>);
+pub(crate) struct Forces<P, V>(PhantomData<fn() -> (P, V)>);
+
+impl<P, V> Default for Forces<P, V> {
+    fn default() -> Self {
+        Self(PhantomData)
+    }
+}
+
+/// Pair forces that somebody who tells them apart has added up ahead of this stage: it takes them then, and makes its own if there
+/// are none. The bits are the same.
+#[derive(Resource, Default)]
+pub struct ForceSums {
+    /// Sum of the pair forces (N; N/m in 2D) on each fluid particle.
+    pub(crate) forces: Vec<DVec3>,
+    /// Whether they wait to be taken.
+    pub(crate) are_new: bool,
+}
 
 impl<const D: usize, P: PressureAverage, V: ViscousForce> PairTerm<D> for Forces<P, V> {
     type State = Contact<D>;
@@ -209,6 +226,7 @@ pub fn momentum<const D: usize>(
     kernel: Res<SmoothingKernel>,
     neighbours: Res<Neighbours>,
     mut workspace: ResMut<Workspace>,
+    mut sums: ResMut<ForceSums>,
     mut fluid: Query<(FluidState, &mut Acceleration), With<Fluid>>,
     walls: Query<GhostState, With<Wall>>,
     structures: Query<GhostState, With<Solid>>,
@@ -221,12 +239,17 @@ pub fn momentum<const D: usize>(
             }
         });
     for ((x, v, m, rho, p, mu, impact), mut acceleration) in fluid.contiguous_iter_mut()? {
+        let out = acceleration.bypass_change_detection();
+        if std::mem::take(&mut sums.are_new) {
+            let each = out.par_iter_mut().with_min_len(GRAIN).with_max_len(PIECE).zip(&sums.forces).zip(m);
+            each.for_each(|((a, force), m)| a.0 = *force * (1.0 / m.0));
+            continue;
+        }
         let own = |i: usize| {
             let momentum = Momentum::fluid(v[i], m[i], rho[i], p[i], mu[i]);
             Gathered { position: x[i].0.into(), state: Contact { momentum, impact: impact[i].0 } }
         };
         let records = workspace.gather::<D, Contact<D>>(&neighbours.rows, own, walls, structures);
-        let out = acceleration.bypass_change_detection();
         with_forms!(settings, accelerate::<D>(&neighbours, &kernel, records, m, out));
     }
     Ok(())
@@ -239,7 +262,7 @@ fn accelerate<const D: usize, P: PressureAverage, V: ViscousForce>(
     m: &[Mass],
     out: &mut [Acceleration],
 ) {
-    let sweep = Sweep::new(neighbours, &*kernel.0, records, Forces::<P, V>(PhantomData));
+    let sweep = Sweep::new(neighbours, &*kernel.0, records, Forces::<P, V>::default());
     out.par_chunks_mut(PIECE).enumerate().for_each(|(piece, acceleration)| {
         let first = piece * PIECE;
         sweep.sum(first, acceleration.len(), |k, force| {

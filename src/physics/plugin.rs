@@ -9,7 +9,7 @@ use super::divergence::{OutOfRange, explain_divergence};
 use super::equation_of_state::advance_state;
 use super::integration::kick;
 use super::{
-    CompressionGradients, DensityDiffusion, Divergence, FreeSurface, Gravity, ImpactPressure, MidwaySums,
+    CompressionGradients, DensityDiffusion, Divergence, ForceSums, FreeSurface, Gravity, ImpactPressure, MidwaySums,
     MomentumSettings, Settling, StateSettings, StrainSettings, TimeStepSettings, WallImpact, compression_gradient,
     density_diffusion, density_rate, drift, free_surface, ghost_pressure, ghost_velocity, midway_sums, momentum,
     next_time_step, pair_kernel, strain_rate, wall_impact,
@@ -23,6 +23,7 @@ pub struct PhysicsPlugin;
 impl Plugin for PhysicsPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<Divergence>().init_resource::<OutOfRange>().init_resource::<Gravity>();
+        app.init_resource::<ForceSums>().register_rebuilt::<ForceSums>();
         app.init_resource::<MidwaySums>().init_resource::<CompressionGradients>();
         app.register_rebuilt::<MidwaySums>().register_rebuilt::<CompressionGradients>();
         // A run that has diverged ends: between two steps there is nothing to save.

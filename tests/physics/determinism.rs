@@ -148,6 +148,17 @@ fn stages_alone_give_the_bits_of_their_sums_made_together() {
     }
 }
 
+/// The books tell the forces of a step apart and leave their sum to the momentum stage, which makes it by itself without them.
+#[test]
+fn books_change_no_bit_of_the_particles() {
+    for dimension in [2, 3] {
+        let (with, steps) = (stream(dimension), if dimension == 2 { 300 } else { 60 });
+        let without = with.replace("\"books\": Books(),", "");
+        assert_ne!(with, without);
+        assert!(bits(&with, 1, steps).0 == bits(&without, 1, steps).0, "other bits in {dimension}D");
+    }
+}
+
 /// Positions, velocities and densities by identity after `steps` steps of four eddies between periodic sides.
 fn eddies(dimension: usize, sort_every: u32, steps: u64) -> Vec<(u32, DVec3, DVec3, f64)> {
     let scene = periodic_box(dimension).replace("phases:", &format!("neighbours: (sort_every: {sort_every}), phases:"));
