@@ -72,6 +72,13 @@ pub trait StoreggaApp {
     where
         T: Component<Mutability = Mutable> + Copy + Default + Serialize + DeserializeOwned;
 
+    /// [`register_particle_column`](Self::register_particle_column) for scenes in which an entity has the component `Used`, such as a
+    /// phase its rheology; in others particles have no `T`.
+    fn register_particle_column_for<T, Used>(&mut self) -> &mut Self
+    where
+        T: Component<Mutability = Mutable> + Copy + Default + Serialize + DeserializeOwned,
+        Used: Component;
+
     /// Saves the component or resource `T`, of every entity that has it, in [checkpoints](crate::checkpoint): for state that
     /// lives from one step to the next. It has to be there from the start of the run on.
     fn register_saved<T>(&mut self) -> &mut Self
@@ -157,6 +164,15 @@ impl StoreggaApp for App {
         // The framework's own columns are required by the marker itself, and so is a column registered twice.
         let _ = world.try_register_required_components::<Fluid, T>();
         ParticleColumns::register::<T>(world);
+        self.register_saved::<T>()
+    }
+
+    fn register_particle_column_for<T, Used>(&mut self) -> &mut Self
+    where
+        T: Component<Mutability = Mutable> + Copy + Default + Serialize + DeserializeOwned,
+        Used: Component,
+    {
+        ParticleColumns::register_optional::<T, Used>(self.world_mut());
         self.register_saved::<T>()
     }
 

@@ -1,6 +1,7 @@
 //! Frames: the particles of each kind as clouds of points.
 
 use bevy_ecs::prelude::*;
+use bytemuck::TransparentWrapper;
 
 use super::plugin::{Log, LogFailure};
 use super::{Column, LogError, LogWriter, ParticleFields, PointsId};
@@ -8,10 +9,10 @@ use crate::boundary::{Body, Motion, Structure};
 use crate::clock::Clock;
 use crate::particles::{
     BodyIndex, Density, Fluid, ParticleId, PhaseIndex, Position, Pressure, ShearRate, Solid, Velocity, Viscosity, Wall,
-    WallVelocity,
+    WallVelocity, columns,
 };
 
-type FluidColumns = (
+type FluidState = (
     &'static Position,
     &'static Velocity,
     &'static Density,
@@ -21,6 +22,16 @@ type FluidColumns = (
     &'static PhaseIndex,
     &'static ParticleId,
 );
+type FluidColumns<'a> = (
+    &'a [Position],
+    &'a [Velocity],
+    &'a [Density],
+    &'a [Pressure],
+    &'a [Viscosity],
+    &'a [ShearRate],
+    &'a [PhaseIndex],
+    &'a [ParticleId],
+);
 
 /// Writes the fluid, in the order in which it lies in memory.
 pub(super) fn write_particles(
@@ -28,33 +39,27 @@ pub(super) fn write_particles(
     mut failure: ResMut<LogFailure>,
     clock: Res<Clock>,
     more: Res<ParticleFields>,
-    fluid: Query<FluidColumns, With<Fluid>>,
+    fluid: Query<FluidState, With<Fluid>>,
 ) {
-    let scalar = |of: fn(<FluidColumns as bevy_ecs::query::QueryData>::Item<'_, '_>) -> f64| -> Vec<f64> {
-        fluid.iter().map(of).collect()
-    };
-    let positions: Vec<_> = fluid.iter().map(|row| row.0.0).collect();
-    let velocities: Vec<_> = fluid.iter().map(|row| row.1.0).collect();
-    let (density, pressure) = (scalar(|row| row.2.0), scalar(|row| row.3.0));
-    let (viscosity, shear_rate) = (scalar(|row| row.4.0), scalar(|row| row.5.0));
-    let phase: Vec<_> = fluid.iter().map(|row| byte(row.6.0)).collect();
-    let id: Vec<_> = fluid.iter().map(|row| row.7.0).collect();
+    let (position, velocity, density, pressure, viscosity, shear_rate, phase, id): FluidColumns<'_> = columns(&fluid);
+    let phase: Vec<_> = phase.iter().map(|phase| byte(phase.0)).collect();
     let own = [
-        Column::Vector(&positions),
-        Column::Vector(&velocities),
-        Column::Scalar(&density),
-        Column::Scalar(&pressure),
-        Column::Scalar(&viscosity),
-        Column::Scalar(&shear_rate),
+        Column::Vector(Position::peel_slice(position)),
+        Column::Vector(Velocity::peel_slice(velocity)),
+        Column::Scalar(Density::peel_slice(density)),
+        Column::Scalar(Pressure::peel_slice(pressure)),
+        Column::Scalar(Viscosity::peel_slice(viscosity)),
+        Column::Scalar(ShearRate::peel_slice(shear_rate)),
         Column::U8(&phase),
-        Column::U32(&id),
+        Column::U32(ParticleId::peel_slice(id)),
     ];
     let columns: Vec<_> = own.into_iter().chain(more.values().iter().map(|values| Column::Scalar(values))).collect();
     let channel = log.particles;
     failure.note(log.writer.write_points(channel, clock.time, &columns));
 }
 
-type BodyColumns = (&'static Position, &'static WallVelocity, &'static Pressure, &'static BodyIndex);
+type BodyState = (&'static Position, &'static WallVelocity, &'static Pressure, &'static BodyIndex);
+type BodyColumns<'a> = (&'a [Position], &'a [WallVelocity], &'a [Pressure], &'a [BodyIndex]);
 
 /// Writes walls and structures: with the first frame, and with every frame if one of them moves.
 pub(super) fn write_bodies(
@@ -62,38 +67,35 @@ pub(super) fn write_bodies(
     mut failure: ResMut<LogFailure>,
     clock: Res<Clock>,
     bodies: Query<(&Motion, Has<Structure>), With<Body>>,
-    walls: Query<BodyColumns, With<Wall>>,
-    structures: Query<BodyColumns, With<Solid>>,
+    walls: Query<BodyState, With<Wall>>,
+    structures: Query<BodyState, With<Solid>>,
 ) {
     let log = &mut *log;
     let is_first = log.last_frame.is_none();
     let due =
         |structure: bool| is_first || bodies.iter().any(|(motion, is)| is == structure && *motion != Motion::Still);
     if let Some(channel) = log.walls.filter(|_| due(false)) {
-        failure.note(write_cloud(&mut log.writer, channel, clock.time, walls.iter()));
+        failure.note(write_cloud(&mut log.writer, channel, clock.time, columns(&walls)));
     }
     if let Some(channel) = log.structures.filter(|_| due(true)) {
-        failure.note(write_cloud(&mut log.writer, channel, clock.time, structures.iter()));
+        failure.note(write_cloud(&mut log.writer, channel, clock.time, columns(&structures)));
     }
     log.last_frame = Some(clock.time);
 }
 
-fn write_cloud<'a>(
+fn write_cloud(
     writer: &mut LogWriter,
     channel: PointsId,
     time: f64,
-    rows: impl Iterator<Item = (&'a Position, &'a WallVelocity, &'a Pressure, &'a BodyIndex)> + Clone,
+    (position, velocity, pressure, body): BodyColumns<'_>,
 ) -> Result<(), LogError> {
-    let positions: Vec<_> = rows.clone().map(|row| row.0.0).collect();
-    let velocities: Vec<_> = rows.clone().map(|row| row.1.0).collect();
-    let pressure: Vec<_> = rows.clone().map(|row| row.2.0).collect();
-    let body: Vec<_> = rows.map(|row| byte(row.3.0)).collect();
+    let body: Vec<_> = body.iter().map(|body| byte(body.0)).collect();
     // Particles of bodies keep their rows: the row is their number.
     let id: Vec<_> = (0..).take(body.len()).collect();
     let columns = [
-        Column::Vector(&positions),
-        Column::Vector(&velocities),
-        Column::Scalar(&pressure),
+        Column::Vector(Position::peel_slice(position)),
+        Column::Vector(WallVelocity::peel_slice(velocity)),
+        Column::Scalar(Pressure::peel_slice(pressure)),
         Column::U8(&body),
         Column::U32(&id),
     ];

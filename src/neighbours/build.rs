@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::clusters::{ClusterList, Kind};
 use super::grid::Grid;
 use super::sort::sort_fluid;
-use super::{PairList, PeriodicSides, Rows, add_images, clear_with_room};
+use super::{PairList, PeriodicSides, Rows, add_images};
 use crate::app::StoreggaApp;
 use crate::checkpoint::{SavedState, decode, encode};
 use crate::kernels::SmoothingKernel;
@@ -248,7 +248,10 @@ fn build_lists(
     let tables: [&[Position]; 3] = [columns(&fluid), columns(&walls), columns(&structures)];
     let [fluid, walls, structures] = tables.map(<[Position]>::len);
     (n.rows.fluid, n.rows.walls, n.rows.structures) = (fluid, walls, structures);
-    clear_with_room(&mut n.positions);
+    n.positions.clear();
+    // Images, of which there are now more and now fewer, follow.
+    let images = n.rows.images.len();
+    n.positions.reserve_exact(fluid + walls + structures + images + images / 4);
     n.positions.extend(tables.iter().flat_map(|table| table.iter().map(|x| x.0)));
     n.build(&sides, &mut workspace);
     (n.travelled, n.steps) = (0.0, 0);

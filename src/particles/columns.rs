@@ -93,6 +93,8 @@ pub struct ColumnError {
 pub struct ParticleColumns {
     columns: Vec<Box<dyn Column>>,
     known: Vec<ComponentId>,
+    /// Each lets fluid particles have a column, if the scene has a use for it.
+    optional: Vec<fn(&mut World)>,
     cycles: Cycles,
 }
 
@@ -105,6 +107,27 @@ impl ParticleColumns {
         if !columns.known.contains(&id) {
             columns.known.push(id);
             columns.columns.push(Box::new(TypedColumn { values }));
+        }
+    }
+
+    /// Lets the fluid of scenes in which an entity has the component `Used` have column `T`.
+    pub(crate) fn register_optional<T, Used>(world: &mut World)
+    where
+        T: Component<Mutability = Mutable> + Copy + Default,
+        Used: Component,
+    {
+        Self::register::<T>(world);
+        world.resource_mut::<Self>().optional.push(|world| {
+            if world.query_filtered::<(), With<Used>>().iter(world).next().is_some() {
+                let _ = world.try_register_required_components::<Fluid, T>();
+            }
+        });
+    }
+
+    /// Lets fluid that is spawned from now on have the optional columns for which the scene has a use.
+    pub(crate) fn choose(world: &mut World) {
+        for choose in world.resource::<Self>().optional.clone() {
+            choose(world);
         }
     }
 

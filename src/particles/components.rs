@@ -1,6 +1,9 @@
 //! The state: one component a quantity, named by its physics term. SI units.
+//!
+//! A column of `TransparentWrapper`s is one of the numbers in them: the log takes it as it lies.
 
 use bevy_ecs::prelude::*;
+use bytemuck::TransparentWrapper;
 use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -58,7 +61,10 @@ pub struct Ghost;
 pub struct PeriodShift(pub DVec3);
 
 /// Identity of a fluid particle. Rows are re-sorted in memory now and then; this number stays.
-#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(
+    Component, Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, TransparentWrapper,
+)]
+#[repr(transparent)]
 pub struct ParticleId(pub u32);
 
 /// Which phase a fluid particle belongs to: the index of a [`Phase`](crate::phases::Phase).
@@ -71,11 +77,13 @@ pub struct PhaseIndex(pub u32);
 pub struct BodyIndex(pub u32);
 
 /// Position x (m). In 2D z = 0.
-#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, TransparentWrapper)]
+#[repr(transparent)]
 pub struct Position(pub DVec3);
 
 /// Velocity v (m/s).
-#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, TransparentWrapper)]
+#[repr(transparent)]
 pub struct Velocity(pub DVec3);
 
 /// Acceleration dv/dt (m/s²) of Eq. 6.
@@ -91,7 +99,8 @@ pub struct Mass(pub f64);
 pub struct ReferenceDensity(pub f64);
 
 /// Density ρ (kg/m³).
-#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, TransparentWrapper)]
+#[repr(transparent)]
 pub struct Density(pub f64);
 
 /// Rate of change of density dρ/dt (kg/m³/s) of Eq. 5, diffusion included.
@@ -99,15 +108,18 @@ pub struct Density(pub f64);
 pub struct DensityRate(pub f64);
 
 /// Pressure p (Pa).
-#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, TransparentWrapper)]
+#[repr(transparent)]
 pub struct Pressure(pub f64);
 
 /// Dynamic viscosity μ (Pa s).
-#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, TransparentWrapper)]
+#[repr(transparent)]
 pub struct Viscosity(pub f64);
 
 /// Shear rate γ̇ (1/s) of Eq. 14.
-#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, TransparentWrapper)]
+#[repr(transparent)]
 pub struct ShearRate(pub f64);
 
 /// Position (m) of a ghost particle before its body moved.
@@ -115,7 +127,8 @@ pub struct ShearRate(pub f64);
 pub struct RestPosition(pub DVec3);
 
 /// Velocity v_w (m/s) with which a ghost particle moves with its body.
-#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, TransparentWrapper)]
+#[repr(transparent)]
 pub struct WallVelocity(pub DVec3);
 
 /// Acceleration a_w (m/s²) with which a ghost particle moves with its body.

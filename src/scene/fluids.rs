@@ -15,7 +15,9 @@ use super::{Invalid, Resolution, SceneSection, SectionError};
 use crate::boundary::{Body, BodyShape, Structure, body_shapes};
 use crate::neighbours::PeriodicSides;
 use crate::number::plain;
-use crate::particles::{Density, Fluid, Mass, ParticleId, PhaseIndex, Position, Pressure, ReferenceDensity, Velocity};
+use crate::particles::{
+    Density, Fluid, Mass, ParticleColumns, ParticleId, PhaseIndex, Position, Pressure, ReferenceDensity, Velocity,
+};
 use crate::phases::phase_named;
 use crate::physics::{EquationOfState, GREATEST_COMPRESSION, Settling};
 
@@ -222,6 +224,7 @@ impl SceneSection for FluidsSection {
             let rho0 = kinds[seed.fluid].1;
             pressures.push(self.start_pressure(seed, rho0, depths.as_ref(), &state)?);
         }
+        ParticleColumns::choose(world);
         world.spawn_batch(seeds.iter().zip(pressures).enumerate().map(|(id, (seed, p))| {
             let (phase, rho0) = &kinds[seed.fluid];
             let rho = rho0 * state.compression(p);

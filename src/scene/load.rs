@@ -24,6 +24,11 @@ impl<'de> Deserialize<'de> for Deferred {
     }
 }
 
+/// Low numbers of entities that are kept free for what comes after the particles. A resource is an entity, and for each there is a
+/// table as long as its number is great: resources made after the particles would each take 4 bytes of every particle. So many that
+/// they are free at once; a few wait until there are more.
+const LOW_ENTITIES: u32 = 256;
+
 /// Reads the head of a scene, as strictly as [`load_scene`] does; the sections that `world` knows are not looked into.
 ///
 /// # Errors
@@ -44,7 +49,9 @@ pub fn load_scene(world: &mut World, document: Document) -> Result<(), UserError
     world.insert_resource(SceneDocument(document.clone()));
     load_header(&document, header, world)?;
     let registry = world.resource::<SectionRegistry>().clone();
+    let low: Vec<Entity> = world.entity_allocator().alloc_many(LOW_ENTITIES).collect();
     registry.load_all(&document, world)?;
+    world.entity_allocator_mut().free_many(&low);
     if let Err(unregistered) = ParticleColumns::check(world) {
         return Err(UserError::plain(format!(
             "a plugin put the component `{}` on fluid particles without registering it as a particle column",

@@ -20,7 +20,7 @@ pub struct SoilsPlugin;
 impl Plugin for SoilsPlugin {
     fn build(&self, app: &mut App) {
         app.register_rheology_system::<MuI, _>("MuI", mu_i::rub)
-            .register_particle_column::<AccumulatedStrain>()
+            .register_particle_column_for::<AccumulatedStrain, StrainSoftening>()
             .log_particle_column::<AccumulatedStrain, StrainSoftening>("strain", "1", |strain| strain.0)
             .register_rheology_system::<StrainSoftening, _>("StrainSoftening", strain_softening::soften);
     }
