@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use bevy_app::{App, Plugin, PluginGroup, PluginGroupBuilder, Plugins};
+use bevy_app::{App, Plugins};
 use bevy_ecs::component::Mutable;
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::IntoScheduleConfigs;
@@ -12,24 +12,21 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use crate::checkpoint::{Checkpoints, SavedState, write_before_end, write_if_due, write_last};
+use crate::checkpoint::{SavedState, write_before_end, write_if_due, write_last};
 use crate::clock::Clock;
 use crate::error::UserError;
 use crate::failure;
-use crate::kernels::{CubicSpline, Kernel, KernelRegistry, QuinticSpline, SmoothingKernel, WendlandC2, WendlandC4};
+use crate::kernels::{Kernel, KernelRegistry};
 use crate::log::ParticleFields;
 use crate::outputs::OutputTimes;
-use crate::particles::{
-    Acceleration, Density, DensityRate, Fluid, Mass, ParticleColumns, ParticleId, PhaseIndex, Position, Pressure,
-    ReferenceDensity, ShearRate, Velocity, Viscosity,
-};
-use crate::physics::{Divergence, DivergenceReport, EquationOfState, MOST_STEPS, settle_least_time_step};
+use crate::particles::{Fluid, ParticleColumns};
+use crate::physics::{Divergence, DivergenceReport, MOST_STEPS, settle_least_time_step};
 use crate::probes::{Probe, ProbeRegistry};
 use crate::rheology::{FlowCurve, Rheology, RheologyRegistry, apply_flow_curve};
-use crate::scene::{
-    Document, Resolution, SceneDocument, SceneFacts, SceneFiles, SceneInfo, SceneSection, SectionRegistry, load_scene,
-};
-use crate::schedule::{self, Output, Stage, Stages, Step};
+use crate::scene::{Document, SceneInfo, SceneSection, SectionRegistry, load_scene};
+use crate::schedule::{Output, Stage, Stages, Step};
+
+pub use crate::framework::PaperPlugins;
 
 /// Registration points of the framework. The paper's own physics uses nothing else.
 pub trait StoreggaApp {
@@ -73,7 +70,7 @@ pub trait StoreggaApp {
         T: Component<Mutability = Mutable> + Copy + Default + Serialize + DeserializeOwned;
 
     /// [`register_particle_column`](Self::register_particle_column) for scenes in which an entity has the component `Used`, such as a
-    /// phase its rheology; in others particles have no `T`.
+    /// phase its rheology, before its fluids are filled; in others particles have no `T`.
     fn register_particle_column_for<T, Used>(&mut self) -> &mut Self
     where
         T: Component<Mutability = Mutable> + Copy + Default + Serialize + DeserializeOwned,
@@ -197,77 +194,6 @@ impl StoreggaApp for App {
     ) -> &mut Self {
         ParticleFields::register::<T, Used>(self.world_mut(), name, unit, value);
         self
-    }
-}
-
-/// The framework and the paper's physics.
-pub struct PaperPlugins;
-
-impl PluginGroup for PaperPlugins {
-    fn build(self) -> PluginGroupBuilder {
-        PluginGroupBuilder::start::<Self>()
-            .add(FrameworkPlugin)
-            .add(crate::neighbours::NeighboursPlugin)
-            .add(crate::physics::PhysicsPlugin)
-            .add(crate::rheology::RheologyPlugin)
-            .add(crate::phases::PhasesPlugin)
-            .add(crate::boundary::BoundaryPlugin)
-            .add(FluidsPlugin)
-            .add(crate::probes::ProbesPlugin)
-            .add(crate::books::BooksPlugin)
-            .add(crate::expect::ExpectPlugin)
-            .add(crate::log::LogPlugin)
-    }
-}
-
-/// Schedules, clock, columns, kernels.
-struct FrameworkPlugin;
-
-impl Plugin for FrameworkPlugin {
-    fn build(&self, app: &mut App) {
-        schedule::init(app);
-        app.init_resource::<Clock>().init_resource::<OutputTimes>();
-        app.register_saved::<Clock>().register_saved::<OutputTimes>();
-        app.init_resource::<SceneFiles>();
-        app.register_rebuilt::<SavedState>()
-            .register_rebuilt::<Checkpoints>()
-            .register_rebuilt::<SceneFiles>()
-            .register_rebuilt::<ParticleColumns>()
-            .register_rebuilt::<KernelRegistry>()
-            .register_rebuilt::<SmoothingKernel>()
-            .register_rebuilt::<SectionRegistry>()
-            .register_rebuilt::<SceneDocument>()
-            .register_rebuilt::<SceneFacts>()
-            .register_rebuilt::<SceneInfo>()
-            .register_rebuilt::<Resolution>();
-        app.register_particle_column::<ParticleId>()
-            .register_particle_column::<PhaseIndex>()
-            .register_particle_column::<Position>()
-            .register_particle_column::<Velocity>()
-            .register_particle_column::<Acceleration>()
-            .register_particle_column::<Mass>()
-            .register_particle_column::<ReferenceDensity>()
-            .register_particle_column::<Density>()
-            .register_particle_column::<DensityRate>()
-            .register_particle_column::<Pressure>()
-            .register_particle_column::<Viscosity>()
-            .register_particle_column::<ShearRate>();
-        app.register_kernel("QuinticSpline", QuinticSpline)
-            .register_kernel("CubicSpline", CubicSpline)
-            .register_kernel("WendlandC2", WendlandC2)
-            .register_kernel("WendlandC4", WendlandC4);
-    }
-}
-
-/// Fluids of a scene; their section comes after those of phases, walls and structures, which it needs.
-struct FluidsPlugin;
-
-impl Plugin for FluidsPlugin {
-    fn build(&self, app: &mut App) {
-        app.register_scene_section::<crate::scene::FluidsSection>()
-            .register_scene_section::<crate::scene::Disturbance>()
-            .register_rebuilt::<crate::scene::FilledFluids>()
-            .register_rebuilt::<EquationOfState>();
     }
 }
 

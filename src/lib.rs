@@ -39,6 +39,7 @@ pub mod clock;
 pub mod error;
 pub mod expect;
 mod failure;
+mod framework;
 pub mod kernels;
 pub mod lanes;
 pub mod log;

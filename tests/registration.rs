@@ -308,6 +308,39 @@ fn a_column_that_nobody_registered_is_refused() {
     assert!(error.contains("Owner"), "{error}");
 }
 
+/// Marks the scene.
+#[derive(Component)]
+struct Wanted;
+
+/// A section that is spawned after the fluids, and then finds that their column is wanted.
+#[derive(serde::Deserialize, serde::Serialize, schemars::JsonSchema)]
+struct Late;
+
+impl SceneSection for Late {
+    const NAME: &'static str = "late";
+
+    fn when_absent() -> Option<Self> {
+        Some(Self)
+    }
+
+    fn spawn(self, world: &mut World) -> Result<(), SectionError> {
+        world.spawn(Wanted);
+        Ok(())
+    }
+}
+
+impl Plugin for Late {
+    fn build(&self, app: &mut App) {
+        app.register_particle_column_for::<Strain, Wanted>().register_scene_section::<Self>();
+    }
+}
+
+#[test]
+fn a_column_that_is_wanted_after_the_fluids_are_filled_is_refused() {
+    let error = refusal(open(PaperPlugins.build().add(Late), plain_scene()));
+    assert!(error.contains("Strain") && error.contains("after its fluid was filled"), "{error}");
+}
+
 /// The scene without what only the plugin [`Outside`] knows.
 fn plain_scene() -> Document {
     let text = SCENE

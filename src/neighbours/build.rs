@@ -57,6 +57,12 @@ pub(crate) const FIRST_SKIN: f64 = 0.05;
 const LEAST_SKIN: f64 = 0.005;
 const GREATEST_SKIN: f64 = 0.15;
 
+/// The greatest skin (in support radii) with which no particle meets its own image.
+fn greatest_skin(sides: &PeriodicSides, radius: f64) -> f64 {
+    let periods = sides.0.into_iter().flatten().map(|(from, to)| to - from);
+    periods.map(|period| period / radius - 1.0).fold(GREATEST_SKIN, f64::min)
+}
+
 /// A step costs `C_l 2x/s` for lists and `C_p (1 + a s)` for sweeps, s the skin and x how far particles move in a step, in support
 /// radii. That is least with `s = √(2 C_l/(a C_p)) √x`; in the plane `C_l ≈ 0.5 C_p` and a ≈ 1.6 were measured.
 const SKIN_FOR_MOTION: f64 = 0.8;
@@ -69,13 +75,14 @@ impl SceneSection for NeighbourSettings {
     }
 
     fn spawn(self, world: &mut World) -> Result<(), SectionError> {
+        let sides = *world.resource::<PeriodicSides>();
+        let radius = world.resource::<SmoothingKernel>().0.radius();
         if self.skin.is_none() {
-            let range = format!("{LEAST_SKIN} to {GREATEST_SKIN} support radii, with the flow");
+            let range = format!("{LEAST_SKIN} to {} support radii, with the flow", greatest_skin(&sides, radius));
             world.resource_mut::<SceneFacts>().resolve(&format!("{}.skin", Self::NAME), range);
         }
         // A particle must not meet its own image.
-        let reach = (1.0 + self.skin.unwrap_or(GREATEST_SKIN)) * world.resource::<SmoothingKernel>().0.radius();
-        let sides = *world.resource::<PeriodicSides>();
+        let reach = (1.0 + self.skin.unwrap_or(LEAST_SKIN)) * radius;
         for (axis, sides) in ["x", "y", "z"].iter().zip(sides.0) {
             if let Some((from, to)) = sides.filter(|(from, to)| to - from < reach) {
                 let message = format!("a period of {} m is too short: neighbours are {reach} m away", to - from);
@@ -203,14 +210,20 @@ fn count_step(mut neighbours: ResMut<Neighbours>, settings: Res<NeighbourSetting
 }
 
 /// Gives the lists to be built their skin.
-fn set_skin(mut neighbours: ResMut<Neighbours>, settings: Res<NeighbourSettings>, kernel: Res<SmoothingKernel>) {
+fn set_skin(
+    mut neighbours: ResMut<Neighbours>,
+    settings: Res<NeighbourSettings>,
+    sides: Res<PeriodicSides>,
+    kernel: Res<SmoothingKernel>,
+) {
     let radius = kernel.0.radius();
+    let greatest = greatest_skin(&sides, radius);
     let travelled_a_step = neighbours.travelled / neighbours.steps as f64;
     let with_flow = || match neighbours.builds {
-        0 => FIRST_SKIN,
+        0 => FIRST_SKIN.min(greatest),
         // Particles were put elsewhere: how fast they are is not known.
         _ if travelled_a_step.is_infinite() => neighbours.skin / radius,
-        _ => (SKIN_FOR_MOTION * (travelled_a_step / radius).sqrt()).clamp(LEAST_SKIN, GREATEST_SKIN),
+        _ => (SKIN_FOR_MOTION * (travelled_a_step / radius).sqrt()).min(greatest).max(LEAST_SKIN),
     };
     let skin = settings.skin.unwrap_or_else(with_flow) * radius;
     neighbours.set_skin(skin, radius);

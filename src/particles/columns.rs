@@ -81,11 +81,12 @@ impl Cycles {
     }
 }
 
-/// A fluid particle holds a component that nobody registered.
-#[derive(Debug)]
-pub struct ColumnError {
-    /// Name of the component's type.
-    pub component: String,
+/// A column of the fluid of those scenes that have a use for it.
+#[derive(Clone, Copy)]
+struct OptionalColumn {
+    id: ComponentId,
+    is_used: fn(&mut World) -> bool,
+    add: fn(&mut World),
 }
 
 /// Every per-particle column of the fluid table.
@@ -93,8 +94,7 @@ pub struct ColumnError {
 pub struct ParticleColumns {
     columns: Vec<Box<dyn Column>>,
     known: Vec<ComponentId>,
-    /// Each lets fluid particles have a column, if the scene has a use for it.
-    optional: Vec<fn(&mut World)>,
+    optional: Vec<OptionalColumn>,
     cycles: Cycles,
 }
 
@@ -117,39 +117,50 @@ impl ParticleColumns {
         Used: Component,
     {
         Self::register::<T>(world);
-        world.resource_mut::<Self>().optional.push(|world| {
-            if world.query_filtered::<(), With<Used>>().iter(world).next().is_some() {
-                let _ = world.try_register_required_components::<Fluid, T>();
-            }
+        world.resource_scope(|world, mut columns: Mut<Self>| {
+            columns.optional.push(OptionalColumn {
+                id: world.register_component::<T>(),
+                is_used: |world| world.query_filtered::<(), With<Used>>().iter(world).next().is_some(),
+                // An error means that it is required already.
+                add: |world| drop(world.try_register_required_components::<Fluid, T>()),
+            });
         });
     }
 
     /// Lets fluid that is spawned from now on have the optional columns for which the scene has a use.
     pub(crate) fn choose(world: &mut World) {
-        for choose in world.resource::<Self>().optional.clone() {
-            choose(world);
+        for column in world.resource::<Self>().optional.clone() {
+            if (column.is_used)(world) {
+                (column.add)(world);
+            }
         }
     }
 
-    /// Refuses a fluid table with a column that nobody registered: it would not follow its particle when rows are
-    /// re-sorted.
+    /// Refuses a fluid table with a column that nobody registered, since it would not follow its particle when rows are
+    /// re-sorted, and one without a column for which the scene has a use.
     ///
     /// # Errors
-    /// The first such component.
-    pub(crate) fn check(world: &mut World) -> Result<(), ColumnError> {
+    /// The first such component, and what is wrong with it.
+    pub(crate) fn check(world: &mut World) -> Result<(), String> {
         let marker = world.register_component::<Fluid>();
         let known = world.resource::<Self>().known.clone();
         // Every kind of fluid particle that exists: a component on some of them would split their table.
         let kinds = world.archetypes().iter().filter(|kind| kind.contains(marker) && !kind.is_empty());
         let held: Vec<ComponentId> = kinds.flat_map(|kind| kind.components().to_vec()).collect();
-        match held.into_iter().find(|id| *id != marker && !known.contains(id)) {
-            None => Ok(()),
-            Some(id) => {
-                let component =
-                    world.components().get_name(id).map_or_else(|| format!("{id:?}"), |name| name.to_string());
-                Err(ColumnError { component })
+        let name = |world: &World, id| {
+            world.components().get_name(id).map_or_else(|| format!("{id:?}"), |name| name.to_string())
+        };
+        if let Some(&id) = held.iter().find(|id| **id != marker && !known.contains(id)) {
+            let what = "a plugin put it on fluid particles without registering it as a particle column";
+            return Err(format!("the component `{}`: {what}", name(world, id)));
+        }
+        for column in world.resource::<Self>().optional.clone() {
+            if !held.is_empty() && !held.contains(&column.id) && (column.is_used)(world) {
+                let what = "the scene came to use this particle column after its fluid was filled";
+                return Err(format!("the component `{}`: {what}", name(world, column.id)));
             }
         }
+        Ok(())
     }
 }
 

@@ -5,7 +5,7 @@ mod components;
 mod gather;
 mod vector;
 
-pub use columns::{ColumnError, ParticleColumns, columns, permute_columns};
+pub use columns::{ParticleColumns, columns, permute_columns};
 pub use components::*;
 pub use gather::{GRAIN, Gathered, PIECE, Records, Workspace};
 pub use vector::Vector;

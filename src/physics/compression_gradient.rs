@@ -18,9 +18,9 @@ use crate::particles::{
     Density, Fluid, Gathered, Mass, PIECE, Position, ReferenceDensity, Solid, Vector, Wall, Workspace, columns,
 };
 
-/// ⟨∇β⟩ (1/m) of every fluid particle, from its stage to the diffusion; empty where nobody asks for it.
+/// ⟨∇β⟩ (1/m) of every fluid particle, row by row, from its stage to the diffusion; empty where nobody asks for it.
 #[derive(Resource, Debug, Default)]
-pub struct CompressionGradients(Vec<DVec3>);
+pub struct CompressionGradients(pub Vec<DVec3>);
 
 impl CompressionGradients {
     /// That of fluid particle `i`, or zero.

@@ -158,6 +158,13 @@ pub struct ForceSums {
     pub(crate) are_new: bool,
 }
 
+impl ForceSums {
+    /// Forgets the sums: the stage makes its own, of what particles carry then.
+    pub fn clear(&mut self) {
+        self.are_new = false;
+    }
+}
+
 impl<const D: usize, P: PressureAverage, V: ViscousForce> PairTerm<D> for Forces<P, V> {
     type State = Contact<D>;
     type Sum = Vector<D>;

@@ -6,9 +6,10 @@ use bevy_ecs::prelude::*;
 use glam::DVec3;
 
 use super::Resolution;
-use super::fluids::{FilledFluids, Seed, WALL_CLEARANCE};
+use super::fluids::FilledFluids;
 use super::geometry::LatticeIndex;
 use super::hydrostatics::Column;
+use super::places::{Seed, WALL_CLEARANCE};
 use crate::boundary::BodyShape;
 use crate::neighbours::PeriodicSides;
 use crate::physics::{EquationOfState, Gravity, StateSettings};

@@ -8,8 +8,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::columns::Depths;
-use super::geometry::{LatticeIndex, Point, RigidRotation, Shape, coordinates, corners, lattice, solid_particles};
+use super::geometry::{Point, RigidRotation, Shape, coordinates, corners, lattice, solid_particles};
 use super::limits::limit_particles;
+use super::places::{Place, Seed, Taken, place_of};
 use super::state::choose_state;
 use super::{Invalid, Resolution, SceneSection, SectionError};
 use crate::boundary::{Body, BodyShape, Structure, body_shapes};
@@ -153,28 +154,11 @@ impl FilledFluids {
     }
 }
 
-/// A particle lies farther (in spacings) than this from the surface of a wall or structure: not on it, as some places of the
-/// lattice do on a slanted wall, but otherwise as near as it comes, so that on average a body displaces its own volume.
-pub(crate) const WALL_CLEARANCE: f64 = 1e-6;
-
-/// Fluid that reaches deeper (in spacings) into a wall than this is a mistake in the scene.
-const OVERLAP: f64 = 0.75;
-
 /// Cells whose centre lies on the edge of a shape, to rounding (in spacings), belong to it.
 const EDGE: f64 = 1e-9;
 
 /// Said of a `Difference` without a particle.
 pub(crate) const NOTHING_LEFT: &str = "nothing is left of it: `minus` takes all of `of` away";
-
-/// A particle to be.
-pub(super) struct Seed {
-    /// The cell of the lattice that it lies in.
-    pub(super) index: LatticeIndex,
-    pub(super) position: DVec3,
-    /// What it fills (m³; m² in 2D).
-    volume: f64,
-    pub(super) fluid: usize,
-}
 
 impl SceneSection for FluidsSection {
     const NAME: &'static str = "fluids";
@@ -349,53 +333,6 @@ impl FluidsSection {
         }
         Ok(seeds)
     }
-}
-
-/// Which fluid has which cell of the lattice; asked where fluids meet only, so filled when asked.
-#[derive(Default)]
-struct Taken {
-    cells: HashMap<LatticeIndex, usize>,
-    seen: usize,
-}
-
-impl Taken {
-    /// The fluid that the last of the `seeds` in this cell belongs to.
-    fn by(&mut self, cell: LatticeIndex, seeds: &[Seed]) -> Option<usize> {
-        self.cells.extend(seeds[self.seen..].iter().map(|seed| (seed.index, seed.fluid)));
-        self.seen = seeds.len();
-        self.cells.get(&cell).copied()
-    }
-}
-
-/// What is at a place of the lattice.
-enum Place<'a> {
-    /// Nothing that keeps fluid out.
-    Free,
-    /// The surface of a wall.
-    Beside,
-    /// The structure of this name.
-    InStructure(&'a str),
-    /// The wall of this name: fluid that reaches so deep into it is a mistake.
-    InWall(&'a str),
-}
-
-fn place_of<'a>(
-    x: DVec3,
-    bodies: &'a [(String, BodyShape, bool)],
-    periodic: &PeriodicSides,
-    spacing: f64,
-) -> Place<'a> {
-    let mut found = Place::Free;
-    for (name, shape, is_structure) in bodies {
-        let clearance = shape.clearance_through(periodic, x) / spacing;
-        match *is_structure {
-            false if clearance < -OVERLAP => return Place::InWall(name),
-            false if clearance < WALL_CLEARANCE => found = Place::Beside,
-            true if clearance < WALL_CLEARANCE && matches!(found, Place::Free) => found = Place::InStructure(name),
-            _ => {}
-        }
-    }
-    found
 }
 
 fn overlap(k: usize, fluid: &FluidSpec, x: DVec3, wall: &str) -> Invalid {

@@ -45,7 +45,7 @@ pub(crate) fn limit_particles((min, max): (DVec3, DVec3), resolution: &Resolutio
 
 /// Bytes that a particle takes besides its pairs: its columns and the change ticks of each, the packed records of the sweeps, where it
 /// was when lists were built, its part of a frame of the log and of that frame's chunk.
-const BYTES_PER_PARTICLE: f64 = 680.0;
+const BYTES_PER_PARTICLE: f64 = 620.0;
 
 /// Bytes of a pair that a sweep over the fluid meets: a quarter of the neighbour's row, since four particles share a list.
 const BYTES_PER_FLUID_PAIR: f64 = 1.0;
@@ -199,8 +199,9 @@ mod tests {
         };
         // A cube of 1 m: 10⁶ particles, which meet 402 others at 1.5 bytes, and 108³ − 10⁶ ghosts with 18 bytes a pair.
         let ghosts = 108.0_f64.powi(3) - 1e6;
-        let needed = 1e6 * (1100.0 + 402.0 * 1.5) + ghosts * (1100.0 + 134.0 * 18.0);
+        let needed = 1e6 * (620.0 + 402.0 * 1.5) + ghosts * (620.0 + 134.0 * 18.0);
         assert_eq!(contents.fit(0.01, needed * 1.001), Ok(()));
+        assert!(contents.fit(0.01, needed * 0.999).is_err());
         let refused = contents.fit(0.01, needed / 8.0).map_err(|invalid| invalid.message).err().unwrap_or_default();
         let (_, coarser) = refused.split_once("a spacing of ").unwrap_or_default();
         let coarser: f64 = coarser.split(' ').next().and_then(|text| text.parse().ok()).unwrap_or(f64::NAN);

@@ -52,12 +52,7 @@ pub fn load_scene(world: &mut World, document: Document) -> Result<(), UserError
     let low: Vec<Entity> = world.entity_allocator().alloc_many(LOW_ENTITIES).collect();
     registry.load_all(&document, world)?;
     world.entity_allocator_mut().free_many(&low);
-    if let Err(unregistered) = ParticleColumns::check(world) {
-        return Err(UserError::plain(format!(
-            "a plugin put the component `{}` on fluid particles without registering it as a particle column",
-            unregistered.component
-        )));
-    }
+    ParticleColumns::check(world).map_err(UserError::plain)?;
     let dimension = world.resource::<super::Resolution>().dimension;
     install_stages(world, dimension);
     Ok(())

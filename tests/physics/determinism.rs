@@ -23,7 +23,7 @@ fn collapse(dimension: usize) -> String {
         .replace("Box(min: (0.0, 0.0, 0.0), max: (1.0, 1.0, 0.5))", "Box(min: (0.0, 0.0, 0.0), max: (0.4, 1.0, 0.6))")
         .replace("phases:", "neighbours: (skin: 0.02, sort_every: 2), phases:")
         .replace("spacing: 0.05", if dimension == 2 { "spacing: 0.04" } else { "spacing: 0.05" })
-        .replace("walls:", "probes: { \"books\": Books() }, log: (series: 0.01), walls:")
+        .replace("walls:", "probes: { \"fluid\": DensityError() }, log: (series: 0.01), walls:")
 }
 
 /// Every bit of the particles, in the order of their rows, and of loads.
@@ -118,15 +118,32 @@ fn threads_agree_on_two_phases_moving_walls_structures_periodic_sides_and_probes
     }
 }
 
+/// The stream with what a scene gets that says nothing of neighbours, and without books.
+fn ordinary_stream(dimension: usize) -> String {
+    let scene = stream(dimension);
+    let ordinary = scene.replace("neighbours: (skin: 0.02, sort_every: 2),", "").replace("\"books\": Books(),", "");
+    assert!(ordinary.len() < scene.len() - 50, "both are gone");
+    ordinary
+}
+
+#[test]
+fn threads_agree_on_a_skin_that_follows_the_flow() {
+    for dimension in [2, 3] {
+        threads_agree(&ordinary_stream(dimension), 300);
+    }
+}
+
 /// The plain loops (one particle at a time, the formulas as they stand) are what the fast ones are measured against.
 #[test]
 fn fast_loops_give_the_bits_of_plain_ones() {
     for dimension in [2, 3] {
-        let fast = stream(dimension);
-        let plain = fast.replace("neighbours: (", "neighbours: (loops: Plain, ");
+        let fast = ordinary_stream(dimension);
+        let plain = fast.replace("phases:", "neighbours: (loops: Plain), phases:");
         assert_ne!(plain, fast);
         let steps = if dimension == 2 { 300 } else { 60 };
         assert!(bits(&plain, 1, steps) == bits(&fast, 2, steps), "plain and fast loops differ in {dimension}D");
+        let [plain, fast] = [plain, fast].map(|scene| scene.replace("probes: {", "probes: { \"books\": Books(),"));
+        assert!(bits(&plain, 1, steps) == bits(&fast, 2, steps), "and with books, in {dimension}D");
     }
 }
 
@@ -221,6 +238,7 @@ fn a_restored_state_goes_on_with_the_same_bits() {
             goes_on_like_before(&stream(dimension), stop, 100);
         }
         goes_on_like_before(&collapse(dimension), 230, 300);
+        goes_on_like_before(&ordinary_stream(dimension), 233, 300);
     }
 }
 

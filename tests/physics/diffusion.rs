@@ -2,11 +2,14 @@
 
 use std::f64::consts::TAU;
 
+use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use glam::DVec3;
+use storegga::app::{PaperPlugins, StoreggaApp, open};
 use storegga::particles::{DensityRate, Fluid, Position, ReferenceDensity};
-use storegga::physics::EquationOfState;
-use storegga::scene::Resolution;
+use storegga::physics::{CompressionGradients, EquationOfState};
+use storegga::scene::{Document, Resolution};
+use storegga::schedule::Stage;
 
 use crate::support::{app, cube, disturb, evaluate, is_inside_cube, periodic_box, press, tank};
 
@@ -71,8 +74,14 @@ fn two_liquids_under_one_pressure_do_not_diffuse_into_each_other() {
 
 /// Greatest |dρ/dt| in disordered water at rest whose pressure is that of its depth, in units of δ c ρ0 g/(B/ρ0).
 fn drift(diffusion: &str, dimension: usize) -> f64 {
-    let text = tank(dimension).replace("phases:", &format!("diffusion: {diffusion}(delta: 0.1), phases:"));
-    let mut app = app(&text, &[]);
+    drift_of(app(&tank_with(diffusion, dimension), &[]), dimension)
+}
+
+fn tank_with(diffusion: &str, dimension: usize) -> String {
+    tank(dimension).replace("phases:", &format!("diffusion: {diffusion}(delta: 0.1), phases:"))
+}
+
+fn drift_of(mut app: App, dimension: usize) -> f64 {
     let world = app.world_mut();
     disturb(world, dimension, 0.01, |_| DVec3::ZERO);
     press(world, |x| 1000.0 * 9.81 * (0.5 - x[dimension - 1]));
@@ -93,6 +102,31 @@ fn the_corrected_forms_leave_a_column_at_rest_alone() {
             assert!(corrected < 1e-10, "{form} in {dimension}D: {corrected}");
         }
     }
+}
+
+/// So many times the slope of β of water at rest takes the place of ⟨∇β⟩.
+struct Slope(f64);
+
+impl Plugin for Slope {
+    fn build(&self, app: &mut App) {
+        let times = self.0;
+        let system =
+            move |state: Res<EquationOfState>, mut slopes: ResMut<CompressionGradients>, fluid: Query<&Fluid>| {
+                let slope = -times * 1000.0 * 9.81 / state.bulk_modulus;
+                slopes.0 = vec![slope * DVec3::Y; fluid.iter().count()];
+            };
+        app.set_stage(Stage::CompressionGradient, system, system);
+    }
+}
+
+#[test]
+fn a_gradient_of_ones_own_takes_the_place_of_antuonos() {
+    let drift_with = |times: f64| {
+        let document = Document::parse("test.ron", &tank_with("Antuono", 2)).expect("the scene is right");
+        drift_of(open((PaperPlugins, Slope(times)), document).expect("the scene is right"), 2)
+    };
+    let (right, twice) = (drift_with(1.0), drift_with(2.0));
+    assert!(right < 1e-10 && twice > 0.1, "{right} with the right slope, {twice} with twice that");
 }
 
 /// In a fluid that turns like a rigid body β = 1 + ½ ρ0 ω² r²/B has the Laplacian 2 ρ0 ω²/B: by the plain form it grows by
