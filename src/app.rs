@@ -34,7 +34,7 @@ pub trait StoreggaApp {
     fn register_rheology<R: FlowCurve>(&mut self, name: &str) -> &mut Self;
 
     /// Lets scenes name the rheology `R`, which `system` applies: it writes
-    /// [`Viscosity`] of the particles whose phase has the component `R`, may own
+    /// [`Viscosity`](crate::particles::Viscosity) of the particles whose phase has the component `R`, may own
     /// per-particle columns, and reads Δt from the [`Clock`].
     fn register_rheology_system<R: Rheology, M>(
         &mut self,
