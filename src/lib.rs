@@ -51,6 +51,7 @@ pub mod phases;
 pub mod physics;
 pub mod probes;
 mod replace;
+pub mod results;
 pub mod rheology;
 pub mod scene;
 pub mod schedule;

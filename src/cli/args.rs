@@ -5,6 +5,8 @@ use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand};
 
+use super::view_args::ExportArgs;
+
 /// Simulates submarine landslides, the waves they raise, and the forces with which they hit structures.
 #[derive(Debug, Parser)]
 #[command(
@@ -41,6 +43,8 @@ pub(super) enum Command {
     Recover(RecoverArgs),
     /// Say what is in a log, and whether it is whole and has no gaps.
     Doctor(DoctorArgs),
+    /// Write the frames of a log as files that ParaView opens.
+    Export(ExportArgs),
     /// Print the page of every field of a scene in Markdown: meaning, unit, default, range.
     #[command(after_help = "\
 Example:

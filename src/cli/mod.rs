@@ -1,4 +1,5 @@
-//! The command line: what `storegga run`, `resume`, `check`, `test`, `scenes`, `recover`, `doctor`, `reference` and `schema` do.
+//! The command line: what `storegga run`, `resume`, `check`, `test`, `scenes`, `recover`, `doctor`, `export`, `reference` and
+//! `schema` do.
 //!
 //! [`main`] is the whole program for any set of plugins, so that a program of one's own with further plugins is
 //! `fn main() -> ExitCode { storegga::cli::main(|| MyPlugins) }`.
@@ -8,6 +9,7 @@ mod check;
 mod doctor;
 mod estimate;
 mod exit;
+mod export;
 mod json;
 mod progress;
 mod recover;
@@ -19,6 +21,7 @@ mod simulate;
 mod summary;
 mod table;
 mod test;
+mod view_args;
 mod warnings;
 
 use std::process::ExitCode;
@@ -42,6 +45,7 @@ pub fn main<P: PluginGroup>(plugins: fn() -> P) -> ExitCode {
         Command::Scenes(args) => scenes::list(&args, plugins),
         Command::Recover(args) => recover::recover(&args),
         Command::Doctor(args) => doctor::doctor(&args),
+        Command::Export(args) => export::export(&args),
         Command::Reference => schema::reference(plugins),
         Command::Schema => schema::schema(plugins),
     };

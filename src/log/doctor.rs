@@ -7,10 +7,10 @@ use foxglove::Decode;
 use foxglove::messages::PointCloud;
 use mcap::Channel;
 use mcap::records::{ChunkHeader, MessageHeader};
-use serde_json::Value;
 
 use super::read::seconds;
 use super::recover::END;
+use super::series::described_fields;
 use super::writer::nanos;
 use super::{Damage, Ending, LogError, Piece, read_log};
 
@@ -199,7 +199,7 @@ impl Examination {
             topic: channel.topic.clone(),
             schema: schema.to_owned(),
             encoding: channel.message_encoding.clone(),
-            fields: described.map_or_else(Vec::new, |schema| described_fields(&schema.data)),
+            fields: described.map_or_else(Vec::new, |schema| named(described_fields(&schema.data))),
             messages: 0,
             bytes: 0,
             span: None,
@@ -259,14 +259,7 @@ impl ChannelReport {
     }
 }
 
-/// Names and units of the properties of a JSON schema, in its order; a unit is what ends its description in brackets.
-fn described_fields(schema: &[u8]) -> Vec<(String, String)> {
-    let schema: Value = serde_json::from_slice(schema).unwrap_or_default();
-    let names = schema["required"].as_array().into_iter().flatten().filter_map(Value::as_str);
-    let unit = |name: &str| {
-        let description = schema["properties"][name]["description"].as_str().unwrap_or_default();
-        let unit = description.strip_suffix(']').and_then(|text| text.rsplit_once('['));
-        unit.map_or_else(String::new, |(_, unit)| unit.to_owned())
-    };
-    names.map(|name| (name.to_owned(), unit(name))).collect()
+/// Names and units of the fields of a series; words have no unit.
+fn named(fields: Vec<(String, Option<String>)>) -> Vec<(String, String)> {
+    fields.into_iter().map(|(name, unit)| (name, unit.unwrap_or_default())).collect()
 }

@@ -19,7 +19,7 @@ pub struct LogError {
 
 impl LogError {
     /// Says that the `attempt` (a verb: "create", "write", "finish") on the log at `path` failed with `cause`.
-    pub(super) fn new(path: &Path, attempt: &'static str, cause: impl Into<Box<dyn Error + Send + Sync>>) -> Self {
+    pub(crate) fn new(path: &Path, attempt: &'static str, cause: impl Into<Box<dyn Error + Send + Sync>>) -> Self {
         Self { path: path.to_owned(), attempt, cause: cause.into() }
     }
 

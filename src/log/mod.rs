@@ -47,6 +47,7 @@ pub use writer::{Level, LogWriter};
 
 pub(crate) use place::is_being_written;
 pub(crate) use reopen::{log_program, mark_log, reopen_log};
+pub(crate) use series::described_fields;
 
 use facts::program_facts;
 pub(crate) use particle_fields::ParticleFields;

@@ -108,6 +108,19 @@ pub(super) fn schema(title: &str, description: &str, fields: &[Field]) -> serde_
     Ok(json)
 }
 
+/// Names of the properties that [`schema`] describes, in its order, and the units of those that are numbers.
+pub(crate) fn described_fields(schema: &[u8]) -> Vec<(String, Option<String>)> {
+    let schema: serde_json::Value = serde_json::from_slice(schema).unwrap_or_default();
+    let names = schema["required"].as_array().into_iter().flatten().filter_map(serde_json::Value::as_str);
+    let unit = |name: &str| {
+        let property = &schema["properties"][name];
+        let description = property["description"].as_str().unwrap_or_default();
+        let unit = description.strip_suffix(']').and_then(|text| text.rsplit_once('['));
+        (property["type"] == "number").then(|| unit.map_or_else(String::new, |(_, unit)| unit.to_owned()))
+    };
+    names.map(|name| (name.to_owned(), unit(name))).collect()
+}
+
 fn push_property(json: &mut Vec<u8>, field: &Field) -> serde_json::Result<()> {
     push_text(json, field.name)?;
     match field.unit {
