@@ -39,6 +39,7 @@ pub mod clock;
 pub mod error;
 pub mod expect;
 mod failure;
+pub mod figures;
 mod framework;
 pub mod kernels;
 pub mod lanes;

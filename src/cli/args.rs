@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand};
 
-use super::view_args::ExportArgs;
+use super::view_args::{ExportArgs, PlotArgs};
 
 /// Simulates submarine landslides, the waves they raise, and the forces with which they hit structures.
 #[derive(Debug, Parser)]
@@ -43,6 +43,8 @@ pub(super) enum Command {
     Recover(RecoverArgs),
     /// Say what is in a log, and whether it is whole and has no gaps.
     Doctor(DoctorArgs),
+    /// Draw what is in a log: particles, series, profiles, beside references.
+    Plot(PlotArgs),
     /// Write the frames of a log as files that ParaView opens.
     Export(ExportArgs),
     /// Print the page of every field of a scene in Markdown: meaning, unit, default, range.

@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
+
+use crate::results::Frame;
 
 /// Which frames of a log.
 #[derive(Debug, Clone, Args)]
@@ -49,6 +51,144 @@ pub(super) struct ExportArgs {
     pub vtk: PathBuf,
     #[command(flatten)]
     pub frames: Frames,
+}
+
+/// Arguments of `storegga plot`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  storegga plot runs/submarine_slide.mcap
+  storegga plot runs/submarine_slide.mcap --field pressure --at 0.4,0.6,0.8 --format both
+  storegga plot runs/submarine_slide.mcap --field phase --arrows --at 0.8
+  storegga plot runs/submarine_slide.mcap --series front.velocity --series books
+  storegga plot runs/submarine_slide.mcap --profile surface:slide --at 0.4,0.8
+  storegga plot runs/two_phase_tank.mcap --profile pressure:x=0.2
+  storegga plot runs/zhou_teng.mcap --series g1.height --reference measured.csv:t_s,g1_m
+
+With none of --field, --series and --profile: pressure, speed and phase of the last frame, and every series.
+Fields are those of the log (`storegga doctor` lists them), and speed. Viscosity has a logarithmic scale.
+A scale of colours leaves out the 0.2 % of particles at each end, unless --range is given.
+A reference is compared with by R² = 1 - Σ(y-ŷ)²/Σ(y-ȳ)² (Eq. 22) and L2 = √(Σ(y-ŷ)²/Σy²) (Eq. 20) at its own points, or at so many as
+--points asks for, at equal distances.")]
+pub(super) struct PlotArgs {
+    /// Log, whole or torn.
+    pub log: PathBuf,
+    /// Particles coloured by this quantity, such as pressure, speed, density, viscosity, shear_rate, phase, vx; can be given again and
+    /// again.
+    #[arg(long = "field", value_name = "NAME")]
+    pub fields: Vec<String>,
+    /// Simulated times (s) of fields and profiles: the nearest frames are drawn, below one another. The last frame if left out.
+    #[arg(long, value_name = "SECONDS", value_delimiter = ',')]
+    pub at: Vec<f64>,
+    /// Draw arrows of the mean velocity over fields.
+    #[arg(long)]
+    pub arrows: bool,
+    /// Least and greatest value of the scale of colours, in the unit of the field.
+    #[arg(long, value_name = "LEAST,GREATEST", value_parser = range, allow_hyphen_values = true)]
+    pub range: Option<(f64, f64)>,
+    /// Plane of the picture; in space the nearest particles hide those behind. By default xy in the plane, xz in space.
+    #[arg(long, value_enum)]
+    pub view: Option<View>,
+    /// A series over time: its name, or its name and one of its quantities, such as front.velocity; can be given again and again.
+    #[arg(long, value_name = "NAME[.QUANTITY]")]
+    pub series: Vec<String>,
+    /// A profile: the upper surface of a phase, surface:slide, or a field along a line, pressure:x=0.2 (m); can be given again and again.
+    #[arg(long = "profile", value_name = "WHAT:WHERE")]
+    pub profiles: Vec<String>,
+    /// A CSV file to compare the one series or profile with: its first two columns, or those named behind a colon.
+    #[arg(long, value_name = "FILE[:X,Y]")]
+    pub reference: Option<String>,
+    /// Compare with the reference at so many points at equal distances, such as the paper's 35.
+    #[arg(long, value_name = "N", requires = "reference", value_parser = points)]
+    pub points: Option<usize>,
+    /// Folder for the figures; by default plots/<log>. It is made if it does not exist.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// File format.
+    #[arg(long, value_enum, default_value_t)]
+    pub format: PictureFormat,
+}
+
+fn range(text: &str) -> Result<(f64, f64), String> {
+    let ends = text.split_once(',').and_then(|(least, greatest)| Some((least.parse().ok()?, greatest.parse().ok()?)));
+    let ends =
+        ends.filter(|(least, greatest): &(f64, f64)| least < greatest && least.is_finite() && greatest.is_finite());
+    ends.ok_or_else(|| "expected two numbers, the lower one first, such as 0,15000".to_owned())
+}
+
+fn points(text: &str) -> Result<usize, String> {
+    text.parse()
+        .ok()
+        .filter(|n| (2..=1_000_000).contains(n))
+        .ok_or_else(|| "expected a number from 2 on, such as 35".to_owned())
+}
+
+/// Format of figures.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum PictureFormat {
+    /// Pixels, 200 to an inch of a page.
+    #[default]
+    Png,
+    /// Lines and letters that stay sharp.
+    Svg,
+    /// Both.
+    Both,
+}
+
+impl PictureFormat {
+    /// Endings of the names of files.
+    pub fn extensions(self) -> &'static [&'static str] {
+        match self {
+            Self::Png => &["png"],
+            Self::Svg => &["svg"],
+            Self::Both => &["png", "svg"],
+        }
+    }
+}
+
+/// Plane of a picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum View {
+    /// x to the right, y up.
+    Xy,
+    /// x to the right, z up, seen against y.
+    Xz,
+    /// y to the right, z up, seen against x.
+    Yz,
+}
+
+impl View {
+    /// Axes to the right, up and away from the eye.
+    const fn indices(self) -> [usize; 3] {
+        match self {
+            Self::Xy => [0, 1, 2],
+            Self::Xz => [0, 2, 1],
+            Self::Yz => [1, 2, 0],
+        }
+    }
+
+    /// Names of the axes to the right and up.
+    pub fn axes(self) -> [&'static str; 2] {
+        let [right, up, _] = self.indices();
+        [right, up].map(|axis| ["x", "y", "z"][axis])
+    }
+
+    /// A vector in the picture.
+    pub fn flat(self, vector: [f64; 3]) -> [f64; 2] {
+        let [right, up, _] = self.indices();
+        [vector[right], vector[up]]
+    }
+
+    /// Numbers of the particles, the farthest from the eye first. It looks along y or against x and z: what is nearest is at the
+    /// front of a scene.
+    pub fn from_behind(self, frame: &Frame) -> Vec<usize> {
+        let away = self.indices()[2];
+        let sign = if self == Self::Xz { -1.0 } else { 1.0 };
+        let depths: Vec<f64> = frame.positions().map(|x| sign * x[away]).collect();
+        let mut order: Vec<usize> = (0..frame.count).collect();
+        order.sort_by(|a, b| depths[*a].total_cmp(&depths[*b]));
+        order
+    }
 }
 
 #[cfg(test)]

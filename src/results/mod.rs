@@ -4,12 +4,16 @@
 //! ([`Results::frames`]), one at a time in memory. Torn logs are read as far as they go.
 
 mod facts;
+mod fit;
 mod frame;
+mod profile;
 mod series;
 mod vtk;
 
 pub use facts::RunFacts;
+pub use fit::Fit;
 pub use frame::{Frame, FrameField};
+pub use profile::{line_profile, upper_surface, vertical_axis};
 pub use series::{SeriesField, TimeSeries};
 pub use vtk::{write_collection, write_points};
 

@@ -1,0 +1,153 @@
+//! Curves: series over time, profiles over a coordinate, results beside references.
+
+use plotters::coord::Shift;
+use plotters::element::DashedPathElement;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, VPos};
+
+use super::axes::{Axes, BOTTOM, LEFT, TOP, write, write_title};
+use super::style::{CURVE, WIDTH, colour};
+use super::{DrawResult, Figure, words};
+
+/// How the points of a curve are drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Marks {
+    /// Joined by a line.
+    #[default]
+    Line,
+    /// Joined by a dashed line.
+    Dashes,
+    /// Each as a ring: measurements.
+    Rings,
+}
+
+/// One curve.
+#[derive(Debug, Clone, Default)]
+pub struct Curve {
+    /// Its name.
+    pub name: String,
+    /// Its points; where one is NaN, the line is broken.
+    pub points: Vec<[f64; 2]>,
+    /// How they are drawn.
+    pub marks: Marks,
+}
+
+/// Curves over one pair of axes.
+#[derive(Debug, Clone, Default)]
+pub struct LineFigure {
+    /// What stands above; may be empty.
+    pub title: String,
+    /// Names of the axes, such as `time (s)`.
+    pub axes: [String; 2],
+    /// Curves, in the order of their colours.
+    pub curves: Vec<Curve>,
+    /// What stands below the names of the curves: numbers that judge them.
+    pub notes: Vec<String>,
+    /// Least and greatest value that the vertical axis shows; `None` for those of the curves.
+    pub range: Option<(f64, f64)>,
+}
+
+/// Height (pixels) of the axes.
+const HEIGHT: i32 = 800;
+/// Pixels to the right of the axes.
+const RIGHT: i32 = 40;
+/// Pixels between lines of text.
+const LINE: i32 = 38;
+/// Part of the height that stays free above and below the curves.
+const MARGIN: f64 = 0.06;
+/// Length (pixels) of dashes, and between them.
+const DASH: (i32, i32) = (18, 12);
+
+impl LineFigure {
+    fn bounds(&self) -> [(f64, f64); 2] {
+        let points = || self.curves.iter().flat_map(|curve| &curve.points);
+        let ends = |axis: usize| {
+            let values = points().map(|point| point[axis]).filter(|value| value.is_finite());
+            let (least, greatest) =
+                values.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, greatest), v| (v.min(least), v.max(greatest)));
+            match greatest - least {
+                span if span > 0.0 => (least, greatest),
+                span if span == 0.0 => (least - 0.5 * least.abs().max(1e-9), least + 0.5 * least.abs().max(1e-9)),
+                _ => (0.0, 1.0),
+            }
+        };
+        let (least, greatest) = ends(1);
+        let margin = MARGIN * (greatest - least);
+        [ends(0), self.range.unwrap_or((least - margin, greatest + margin))]
+    }
+
+    fn draw_curve<DB: DrawingBackend>(&self, k: usize, axes: &Axes, area: &DrawingArea<DB, Shift>) -> DrawResult {
+        let (curve, style) = (&self.curves[k], colour(k).stroke_width(CURVE));
+        if curve.marks == Marks::Rings {
+            for point in curve.points.iter().filter(|point| axes.holds(**point)) {
+                area.draw(&Circle::new(axes.pixel(*point), 7, BLACK.stroke_width(2))).map_err(words)?;
+            }
+            return Ok(());
+        }
+        for part in curve.points.split(|point| !axes.holds(*point)).filter(|part| !part.is_empty()) {
+            let pixels = part.iter().map(|point| axes.pixel(*point));
+            draw_line(area, pixels, curve.marks, style)?;
+        }
+        Ok(())
+    }
+
+    fn draw_names<DB: DrawingBackend>(&self, axes: &Axes, area: &DrawingArea<DB, Shift>) -> DrawResult {
+        let [left, top, width, _] = axes.rectangle;
+        let x = left + width + RIGHT;
+        for (k, curve) in self.curves.iter().enumerate() {
+            let y = top + 22 + LINE * k as i32;
+            if curve.marks == Marks::Rings {
+                area.draw(&Circle::new((x + 24, y), 7, BLACK.stroke_width(2))).map_err(words)?;
+            } else {
+                draw_line(area, [(x, y), (x + 48, y)].into_iter(), curve.marks, colour(k).stroke_width(CURVE))?;
+            }
+            write(area, &curve.name, (x + 62, y), (HPos::Left, VPos::Center))?;
+        }
+        for (k, note) in self.notes.iter().enumerate() {
+            let y = top + 22 + LINE * (self.curves.len() + k) as i32 + LINE / 2;
+            write(area, note, (x, y), (HPos::Left, VPos::Center))?;
+        }
+        Ok(())
+    }
+
+    /// Pixels that the longest name takes; nothing is named if there is one curve without a name.
+    fn names(&self) -> i32 {
+        /// Pixels of a letter, on average and a little more.
+        const LETTER: i32 = 15;
+        let curves = self.curves.iter().map(|curve| curve.name.chars().count() as i32 * LETTER + 62);
+        let notes = self.notes.iter().map(|note| note.chars().count() as i32 * LETTER);
+        let is_named = self.curves.iter().any(|curve| !curve.name.is_empty()) || !self.notes.is_empty();
+        if is_named { curves.chain(notes).max().unwrap_or(0) + RIGHT } else { 0 }
+    }
+}
+
+impl Figure for LineFigure {
+    fn size(&self) -> (u32, u32) {
+        (WIDTH + self.names().max(0) as u32, (TOP + HEIGHT + BOTTOM) as u32)
+    }
+
+    fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> DrawResult {
+        let [x, y] = self.bounds();
+        let axes = Axes { rectangle: [LEFT, TOP, WIDTH as i32 - LEFT - RIGHT, HEIGHT], x, y };
+        write_title(area, &self.title, LEFT + axes.rectangle[2] / 2)?;
+        axes.draw(area, Some(&self.axes[0]), &self.axes[1], true)?;
+        for k in 0..self.curves.len() {
+            self.draw_curve(k, &axes, area)?;
+        }
+        if self.names() > 0 { self.draw_names(&axes, area) } else { Ok(()) }
+    }
+}
+
+/// Joins pixels by a line, dashed if it shall be.
+fn draw_line<DB: DrawingBackend>(
+    area: &DrawingArea<DB, Shift>,
+    pixels: impl Iterator<Item = (i32, i32)> + Clone,
+    marks: Marks,
+    style: ShapeStyle,
+) -> DrawResult {
+    if marks == Marks::Dashes {
+        area.draw(&DashedPathElement::new(pixels, DASH.0, DASH.1, style)).map_err(words)
+    } else {
+        area.draw(&PathElement::new(pixels.collect::<Vec<_>>(), style)).map_err(words)
+    }
+}
