@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand};
 
-use super::view_args::{ExportArgs, PlotArgs};
+use super::view_args::{ExportArgs, MovieArgs, PlotArgs};
 
 /// Simulates submarine landslides, the waves they raise, and the forces with which they hit structures.
 #[derive(Debug, Parser)]
@@ -45,6 +45,8 @@ pub(super) enum Command {
     Doctor(DoctorArgs),
     /// Draw what is in a log: particles, series, profiles, beside references.
     Plot(PlotArgs),
+    /// Draw every frame of a log, as an animation.
+    Movie(MovieArgs),
     /// Write the frames of a log as files that ParaView opens.
     Export(ExportArgs),
     /// Print the page of every field of a scene in Markdown: meaning, unit, default, range.

@@ -16,23 +16,22 @@ use crate::results::{BODIES, PARTICLES, Results, write_collection, write_points}
 pub(super) fn export(args: &ExportArgs) -> Result<ExitCode, UserError> {
     let results = open(&args.log)?;
     let folder = args.vtk.as_path();
+    let times = results.frame_times(PARTICLES);
+    if !(0..times.len()).any(|number| args.frames.take(&times, number)) {
+        return Err(UserError::plain(format!("{} has no frames of particles at these times", args.log.display()))
+            .help("`storegga doctor` says which there are"));
+    }
     create_dir_all(folder).map_err(|error| unwritable(folder, &error))?;
-    let mut written = 0;
     for topic in [PARTICLES].iter().chain(&BODIES) {
         // Bodies that do not move have one frame, which is wanted whatever its time.
         let is_still = *topic != PARTICLES && results.frame_times(topic).len() == 1;
         let all = Frames { from: None, to: None, every: 1 };
         let files = export_topic(&results, topic, if is_still { &all } else { &args.frames }, folder)?;
-        written += files;
         if files > 0 {
             let collection = folder.join(topic.trim_start_matches('/')).with_extension("pvd");
             let frames = if files == 1 { "frame" } else { "frames" };
             say(&format!("{}: {} {frames}\n", collection.display(), count(files as u64)));
         }
-    }
-    if written == 0 {
-        return Err(UserError::plain(format!("{} has no frames at these times", args.log.display()))
-            .help("`storegga doctor` says which there are"));
     }
     Ok(ExitCode::SUCCESS)
 }

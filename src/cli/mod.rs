@@ -1,4 +1,4 @@
-//! The command line: what `storegga run`, `resume`, `check`, `test`, `scenes`, `recover`, `doctor`, `plot`, `export`, `reference` and
+//! The command line: what `storegga run`, `resume`, `check`, `test`, `scenes`, `recover`, `doctor`, `plot`, `movie`, `export`, `reference` and
 //! `schema` do.
 //!
 //! [`main`] is the whole program for any set of plugins, so that a program of one's own with further plugins is
@@ -11,6 +11,7 @@ mod estimate;
 mod exit;
 mod export;
 mod json;
+mod movie;
 mod plot;
 mod progress;
 mod recover;
@@ -47,6 +48,7 @@ pub fn main<P: PluginGroup>(plugins: fn() -> P) -> ExitCode {
         Command::Recover(args) => recover::recover(&args),
         Command::Doctor(args) => doctor::doctor(&args),
         Command::Plot(args) => plot::plot(&args),
+        Command::Movie(args) => movie::movie(&args),
         Command::Export(args) => export::export(&args),
         Command::Reference => schema::reference(plugins),
         Command::Schema => schema::schema(plugins),

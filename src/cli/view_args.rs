@@ -80,15 +80,8 @@ pub(super) struct PlotArgs {
     /// Simulated times (s) of fields and profiles: the nearest frames are drawn, below one another. The last frame if left out.
     #[arg(long, value_name = "SECONDS", value_delimiter = ',')]
     pub at: Vec<f64>,
-    /// Draw arrows of the mean velocity over fields.
-    #[arg(long)]
-    pub arrows: bool,
-    /// Least and greatest value of the scale of colours, in the unit of the field.
-    #[arg(long, value_name = "LEAST,GREATEST", value_parser = range, allow_hyphen_values = true)]
-    pub range: Option<(f64, f64)>,
-    /// Plane of the picture; in space the nearest particles hide those behind. By default xy in the plane, xz in space.
-    #[arg(long, value_enum)]
-    pub view: Option<View>,
+    #[command(flatten)]
+    pub look: Look,
     /// A series over time: its name, or its name and one of its quantities, such as front.velocity; can be given again and again.
     #[arg(long, value_name = "NAME[.QUANTITY]")]
     pub series: Vec<String>,
@@ -107,6 +100,47 @@ pub(super) struct PlotArgs {
     /// File format.
     #[arg(long, value_enum, default_value_t)]
     pub format: PictureFormat,
+}
+
+/// How particles are shown.
+#[derive(Debug, Clone, Copy, Args)]
+pub(super) struct Look {
+    /// Draw arrows of the mean velocity over fields.
+    #[arg(long)]
+    pub arrows: bool,
+    /// Least and greatest value of the scale of colours, in the unit of the field.
+    #[arg(long, value_name = "LEAST,GREATEST", value_parser = range, allow_hyphen_values = true)]
+    pub range: Option<(f64, f64)>,
+    /// Plane of the picture; in space the nearest particles hide those behind. By default xy in the plane, xz in space.
+    #[arg(long, value_enum)]
+    pub view: Option<View>,
+}
+
+/// Arguments of `storegga movie`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  storegga movie runs/submarine_slide.mcap
+  storegga movie runs/submarine_slide.mcap --field speed --arrows --fps 10 --out slide.png
+  ffmpeg -i plots/submarine_slide/phase_movie.png slide.mp4
+
+The animation is an APNG, which browsers and most viewers of pictures show; ffmpeg makes other formats of it.")]
+pub(super) struct MovieArgs {
+    /// Log, whole or torn.
+    pub log: PathBuf,
+    /// Particles are coloured by this quantity; by default by their phase if there are several, else by speed.
+    #[arg(long, value_name = "NAME")]
+    pub field: Option<String>,
+    #[command(flatten)]
+    pub frames: Frames,
+    #[command(flatten)]
+    pub look: Look,
+    /// Frames of the log shown in a second.
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    pub fps: u16,
+    /// File; by default plots/<log>/<field>_movie.png. Its folder is made if it does not exist.
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
 }
 
 fn range(text: &str) -> Result<(f64, f64), String> {
@@ -181,7 +215,7 @@ impl View {
 
     /// Numbers of the particles, the farthest from the eye first. It looks along y or against x and z: what is nearest is at the
     /// front of a scene.
-    pub fn from_behind(self, frame: &Frame) -> Vec<usize> {
+    pub fn behind_first(self, frame: &Frame) -> Vec<usize> {
         let away = self.indices()[2];
         let sign = if self == Self::Xz { -1.0 } else { 1.0 };
         let depths: Vec<f64> = frame.positions().map(|x| sign * x[away]).collect();

@@ -4,8 +4,8 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 
-use super::axes::{Axes, BOTTOM, LEFT, TOP, write, write_title, write_upwards};
-use super::style::{AXIS, BODY, WIDTH, colour};
+use super::axes::{Axes, BOTTOM, LEFT, TOP, write, write_on_white, write_title, write_upwards};
+use super::style::{AXIS, BODY, LETTER, WIDTH, colour};
 use super::ticks::{tick_label, ticks};
 use super::{ColourMap, DrawResult, Figure, words};
 use crate::number::short;
@@ -75,8 +75,12 @@ const RIGHT: i32 = 240;
 const GAP: i32 = 26;
 /// Most pixels of all panels together: two thirds of a page.
 const MOST_HEIGHT: f64 = 2100.0;
+/// Particles are drawn so many spacings wide: where they lie apart, what is between them shall not shine through.
+const SIZE: f64 = 1.2;
 /// Particles narrower than so many pixels are drawn as squares, which leave no gaps.
-const DISC: i32 = 7;
+const DISC: i32 = 16;
+/// Discs on a lattice cover it if they are as wide as its squares are from corner to corner.
+const SQUARE: f64 = std::f64::consts::SQRT_2;
 
 impl FieldFigure {
     /// Width and height (pixels) of a panel. Both axes have the same scale.
@@ -91,12 +95,13 @@ impl FieldFigure {
     fn colour(&self, value: f64) -> RGBColor {
         match &self.paint {
             Paint::Scale { range: (least, greatest), colours, .. } => colours.at((value - least) / (greatest - least)),
-            Paint::Names(_) => phase_colour(value as usize),
+            Paint::Names(names) => phase_colour(names, value as usize),
         }
     }
 
     fn draw_panel<DB: DrawingBackend>(&self, panel: &Panel, axes: &Axes, area: &DrawingArea<DB, Shift>) -> DrawResult {
-        let size = (axes.pixels(self.spacing).ceil() as i32).max(2);
+        let spacing = axes.pixels(self.spacing);
+        let size = ((SIZE * spacing).ceil() as i32).max(2);
         let bodies = panel.bodies.iter().map(|place| (place, BODY));
         let fluid = panel.places.iter().zip(&panel.values).map(|(place, value)| (place, self.colour(*value)));
         for (&place, colour) in bodies.chain(fluid).filter(|(place, _)| axes.holds(**place)) {
@@ -105,7 +110,7 @@ impl FieldFigure {
                 let (left, top) = (x - size / 2, y - size / 2);
                 area.draw(&Rectangle::new([(left, top), (left + size, top + size)], colour.filled()))
             } else {
-                area.draw(&Circle::new((x, y), (size + 1) / 2, colour.filled()))
+                area.draw(&Circle::new((x, y), (0.5 * SQUARE * spacing).ceil() as i32, colour.filled()))
             };
             drawn.map_err(words)?;
         }
@@ -115,8 +120,24 @@ impl FieldFigure {
                 draw_arrow(area, axes.pixel(*place), axes.pixel(tip))?;
             }
         }
-        let [left, top, ..] = axes.rectangle;
-        write(area, &panel.label, (left + 22, top + 18), (HPos::Left, VPos::Top))
+        write_on_white(area, &panel.label, self.empty_corner(axes))
+    }
+
+    /// Where the labels of panels hide the least: near the corner that has the fewest particles.
+    fn empty_corner(&self, axes: &Axes) -> (i32, i32) {
+        const LABEL: (i32, i32) = (190, 46);
+        let [left, top, width, height] = axes.rectangle;
+        let (right, bottom) = (left + width - LABEL.0, top + height - LABEL.1);
+        let corners =
+            [(left + 12, top + 12), (right - 12, top + 12), (left + 12, bottom - 12), (right - 12, bottom - 12)];
+        let hidden = |corner: &(i32, i32)| {
+            let places = self.panels.iter().flat_map(|panel| panel.places.iter().chain(&panel.bodies));
+            let is_hidden = |(x, y): (i32, i32)| {
+                (corner.0..corner.0 + LABEL.0).contains(&x) && (corner.1..corner.1 + LABEL.1).contains(&y)
+            };
+            places.filter(|place| is_hidden(axes.pixel(**place))).count()
+        };
+        corners.into_iter().min_by_key(hidden).unwrap_or(corners[0])
     }
 
     /// The bar of colours or the names of phases, and the measure of the arrows.
@@ -129,7 +150,7 @@ impl FieldFigure {
             Paint::Names(names) => {
                 for (k, name) in names.iter().enumerate() {
                     let y = top + 20 + 44 * k as i32;
-                    let patch = Rectangle::new([(left, y - 12), (left + 26, y + 12)], phase_colour(k).filled());
+                    let patch = Rectangle::new([(left, y - 12), (left + 26, y + 12)], phase_colour(names, k).filled());
                     area.draw(&patch).map_err(words)?;
                     write(area, name, (left + 40, y), (HPos::Left, VPos::Center))?;
                 }
@@ -169,12 +190,14 @@ impl Figure for FieldFigure {
     }
 }
 
-/// Colour of phase `k`: sand and water, then others.
-fn phase_colour(k: usize) -> RGBColor {
-    match k {
-        0 => RGBColor(190, 140, 70),
-        1 => RGBColor(130, 190, 230),
-        k => colour(k),
+/// Colour of phase `k`: water is blue, and what comes first besides it has the colour of sand.
+fn phase_colour(names: &[String], k: usize) -> RGBColor {
+    let is_water = |name: &String| name.to_lowercase().contains("water");
+    let dry = names.iter().take(k).filter(|name| !is_water(name)).count();
+    match names.get(k) {
+        Some(name) if is_water(name) => RGBColor(140, 195, 235),
+        _ if dry == 0 => RGBColor(181, 128, 56),
+        _ => colour(dry),
     }
 }
 
@@ -217,5 +240,6 @@ fn draw_bar<DB: DrawingBackend>(
         area.draw(&PathElement::new(vec![(left + THICK - 8, y), (left + THICK, y)], black)).map_err(words)?;
         write(area, &tick_label(*value, &numbers), (left + THICK + 10, y), (HPos::Left, VPos::Center))?;
     }
-    write_upwards(area, label, (left + THICK + 145, top + height / 2))
+    let widest = numbers.iter().map(|value| tick_label(*value, &numbers).chars().count()).max().unwrap_or(0) as i32;
+    write_upwards(area, label, (left + THICK + 38 + LETTER * widest, top + height / 2))
 }

@@ -6,7 +6,7 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 
 use super::axes::{Axes, BOTTOM, LEFT, TOP, write, write_title};
-use super::style::{CURVE, WIDTH, colour};
+use super::style::{COLOURS, CURVE, LETTER, WIDTH, colour};
 use super::{DrawResult, Figure, words};
 
 /// How the points of a curve are drawn.
@@ -67,7 +67,8 @@ impl LineFigure {
                 values.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, greatest), v| (v.min(least), v.max(greatest)));
             match greatest - least {
                 span if span > 0.0 => (least, greatest),
-                span if span == 0.0 => (least - 0.5 * least.abs().max(1e-9), least + 0.5 * least.abs().max(1e-9)),
+                // One value only, or none.
+                0.0 => (least - 0.5 * least.abs().max(1e-9), least + 0.5 * least.abs().max(1e-9)),
                 _ => (0.0, 1.0),
             }
         };
@@ -78,7 +79,8 @@ impl LineFigure {
 
     fn draw_curve<DB: DrawingBackend>(&self, k: usize, axes: &Axes, area: &DrawingArea<DB, Shift>) -> DrawResult {
         let (curve, style) = (&self.curves[k], colour(k).stroke_width(CURVE));
-        if curve.marks == Marks::Rings {
+        let marks = marks(k, curve);
+        if marks == Marks::Rings {
             for point in curve.points.iter().filter(|point| axes.holds(**point)) {
                 area.draw(&Circle::new(axes.pixel(*point), 7, BLACK.stroke_width(2))).map_err(words)?;
             }
@@ -86,7 +88,7 @@ impl LineFigure {
         }
         for part in curve.points.split(|point| !axes.holds(*point)).filter(|part| !part.is_empty()) {
             let pixels = part.iter().map(|point| axes.pixel(*point));
-            draw_line(area, pixels, curve.marks, style)?;
+            draw_line(area, pixels, marks, style)?;
         }
         Ok(())
     }
@@ -99,7 +101,7 @@ impl LineFigure {
             if curve.marks == Marks::Rings {
                 area.draw(&Circle::new((x + 24, y), 7, BLACK.stroke_width(2))).map_err(words)?;
             } else {
-                draw_line(area, [(x, y), (x + 48, y)].into_iter(), curve.marks, colour(k).stroke_width(CURVE))?;
+                draw_line(area, [(x, y), (x + 48, y)].into_iter(), marks(k, curve), colour(k).stroke_width(CURVE))?;
             }
             write(area, &curve.name, (x + 62, y), (HPos::Left, VPos::Center))?;
         }
@@ -112,8 +114,6 @@ impl LineFigure {
 
     /// Pixels that the longest name takes; nothing is named if there is one curve without a name.
     fn names(&self) -> i32 {
-        /// Pixels of a letter, on average and a little more.
-        const LETTER: i32 = 15;
         let curves = self.curves.iter().map(|curve| curve.name.chars().count() as i32 * LETTER + 62);
         let notes = self.notes.iter().map(|note| note.chars().count() as i32 * LETTER);
         let is_named = self.curves.iter().any(|curve| !curve.name.is_empty()) || !self.notes.is_empty();
@@ -136,6 +136,11 @@ impl Figure for LineFigure {
         }
         if self.names() > 0 { self.draw_names(&axes, area) } else { Ok(()) }
     }
+}
+
+/// How curve number `k` is drawn: where colours come again, by dashes.
+fn marks(k: usize, curve: &Curve) -> Marks {
+    if k >= COLOURS.len() && curve.marks == Marks::Line { Marks::Dashes } else { curve.marks }
 }
 
 /// Joins pixels by a line, dashed if it shall be.

@@ -12,6 +12,9 @@ pub(super) const WIDTH: u32 = 1600;
 pub(super) const LETTERS: u32 = 25;
 pub(super) const TITLE: u32 = 29;
 
+/// Width (pixels) of a letter, on average and a little more.
+pub(super) const LETTER: i32 = 15;
+
 /// Width (pixels) of axes and of curves.
 pub(super) const AXIS: u32 = 2;
 pub(super) const CURVE: u32 = 4;
@@ -31,7 +34,7 @@ pub(super) fn register_fonts() {
 }
 
 /// Colours of curves and phases that can be told apart in print and by the colour-blind (Okabe & Ito 2008).
-const COLOURS: [RGBColor; 7] = [
+pub(super) const COLOURS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
     RGBColor(0, 158, 115),

@@ -23,7 +23,7 @@ pub(super) fn tick_label(value: f64, all: &[f64]) -> String {
         return crate::number::short(value);
     }
     let digits = -(step * 1.001).log10().floor();
-    if greatest >= 1e6 || greatest < 1e-3 || digits > 6.0 {
+    if !(1e-3..1e6).contains(&greatest) || digits > 6.0 {
         let text = format!("{value:.1e}").replace(".0e", "e");
         return if value.abs() < 1e-6 * step { "0".to_owned() } else { text };
     }

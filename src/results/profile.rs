@@ -8,8 +8,8 @@ pub fn vertical_axis(dimension: usize) -> usize {
     if dimension == 2 { 1 } else { 2 }
 }
 
-/// The upper surface of a phase: for each column one `spacing` (m) wide along x the place of its middle and the height (m) of the
-/// top of its highest particle, half a spacing above its centre. Columns without a particle are left out.
+/// The upper surface of a phase: places one `spacing` (m) apart along x, and the height (m) of the top of the highest particle within
+/// one spacing of each, half a spacing above its centre. Places without a particle are left out.
 ///
 /// A drop above the surface counts too; in space it is the highest over all y.
 #[must_use]
@@ -18,12 +18,14 @@ pub fn upper_surface(frame: &Frame, phase: usize, dimension: usize, spacing: f64
     let mut heights = std::collections::BTreeMap::new();
     for (x, of) in frame.positions().zip(frame.values("phase")) {
         if *of == phase as f64 {
-            let column = (x[0] / spacing).floor() as i64;
-            let height = heights.entry(column).or_insert(f64::NEG_INFINITY);
-            *height = x[up].max(*height);
+            let left = (x[0] / spacing).floor() as i64;
+            for place in [left, left + 1] {
+                let height = heights.entry(place).or_insert(f64::NEG_INFINITY);
+                *height = x[up].max(*height);
+            }
         }
     }
-    heights.into_iter().map(|(column, height)| [(column as f64 + 0.5) * spacing, height + 0.5 * spacing]).collect()
+    heights.into_iter().map(|(place, height)| [place as f64 * spacing, height + 0.5 * spacing]).collect()
 }
 
 /// Support of the interpolation along a line, in spacings.
@@ -94,9 +96,9 @@ mod tests {
     fn the_surface_of_a_block_is_its_top() {
         for (phase, top) in [(0, 0.5), (1, 1.0)] {
             let surface = upper_surface(&block(), phase, 2, 0.05);
-            assert_eq!(surface.len(), 20);
+            assert_eq!(surface.len(), 21);
             assert!(surface.iter().all(|[_, height]| (height - top).abs() < 1e-12), "{surface:?}");
-            assert!((surface[3][0] - 0.175).abs() < 1e-12);
+            assert!((surface[3][0] - 0.15).abs() < 1e-12);
         }
     }
 

@@ -2,6 +2,7 @@
 
 mod doctor;
 mod failures;
+mod figures;
 mod recover;
 
 #[path = "../support/program.rs"]

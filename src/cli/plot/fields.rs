@@ -1,6 +1,6 @@
 //! Particles, coloured by a quantity.
 
-use super::super::view_args::{PlotArgs, View};
+use super::super::view_args::{Look, PlotArgs, View};
 use super::{Out, numbers, unknown};
 use crate::error::UserError;
 use crate::figures::{Arrows, ColourMap, FieldFigure, Paint, Panel, labelled};
@@ -20,7 +20,7 @@ pub(super) fn draw(results: &Results, args: &PlotArgs, fields: &[String], out: &
     }
     let scenes = scenes(results, &args.at)?;
     for field in fields {
-        let figure = figure(results, &scenes, field, args)?;
+        let figure = figure(results, &scenes, field, args.look)?;
         out.write(field, &figure)?;
     }
     Ok(())
@@ -60,10 +60,10 @@ pub(in crate::cli) fn figure(
     results: &Results,
     scenes: &[Snapshot],
     name: &str,
-    args: &PlotArgs,
+    look: Look,
 ) -> Result<FieldFigure, UserError> {
     let facts = &results.facts;
-    let view = args.view.unwrap_or(if facts.dimension == 2 { View::Xy } else { View::Xz });
+    let view = look.view.unwrap_or(if facts.dimension == 2 { View::Xy } else { View::Xz });
     let is_log = name == "viscosity";
     let mut panels = Vec::new();
     let mut unit = String::new();
@@ -73,7 +73,7 @@ pub(in crate::cli) fn figure(
         if is_log {
             values.iter_mut().for_each(|value| *value = value.log10());
         }
-        let order = view.from_behind(fluid);
+        let order = view.behind_first(fluid);
         let places: Vec<[f64; 3]> = fluid.positions().collect();
         let flat = |frame: &Frame| frame.positions().map(|x| view.flat(x)).collect::<Vec<_>>();
         panels.push(Panel {
@@ -81,7 +81,7 @@ pub(in crate::cli) fn figure(
             places: order.iter().map(|k| view.flat(places[*k])).collect(),
             values: order.iter().map(|k| values[*k]).collect(),
             bodies: bodies.iter().flat_map(flat).collect(),
-            arrows: if args.arrows { arrows(fluid, view, bounds(scenes, view, facts.spacing)) } else { Vec::new() },
+            arrows: if look.arrows { arrows(fluid, view, bounds(scenes, view, facts.spacing)) } else { Vec::new() },
         });
     }
     let bounds = bounds(scenes, view, facts.spacing);
@@ -91,9 +91,9 @@ pub(in crate::cli) fn figure(
         paint: if name == "phase" {
             Paint::Names(facts.phases.clone())
         } else {
-            scale(&panels, label, name, args.range)
+            scale(&panels, label, name, look.range)
         },
-        arrows: args.arrows.then(|| measure(&panels, bounds)),
+        arrows: look.arrows.then(|| measure(&panels, bounds)),
         panels,
         axes: view.axes().map(|axis| format!("{axis} (m)")),
         bounds,

@@ -1,6 +1,6 @@
 //! `storegga plot`.
 
-mod fields;
+pub(super) mod fields;
 mod profiles;
 mod reference;
 mod series;
@@ -21,12 +21,12 @@ use reference::Reference;
 pub(super) fn plot(args: &PlotArgs) -> Result<ExitCode, UserError> {
     let results = open(&args.log)?;
     let out = Out { folder: args.out.clone().unwrap_or_else(|| default_folder(&args.log)), format: args.format };
-    let reference = args.reference.as_deref().map(Reference::read).transpose()?;
     let is_open = args.fields.is_empty() && args.series.is_empty() && args.profiles.is_empty();
-    if reference.is_some() && args.series.len() + args.profiles.len() != 1 {
+    if args.reference.is_some() && args.series.len() + args.profiles.len() != 1 {
         let message = "--reference needs one --series or one --profile to be compared with";
         return Err(UserError::plain(message));
     }
+    let reference = args.reference.as_deref().map(Reference::read).transpose()?;
     std::fs::create_dir_all(&out.folder).map_err(|error| unwritable(&out.folder, &error))?;
     if is_open {
         fields::draw(&results, args, &fields::usual(&results), &out)?;
@@ -43,7 +43,7 @@ pub(super) fn plot(args: &PlotArgs) -> Result<ExitCode, UserError> {
 }
 
 /// `plots/<log>`.
-fn default_folder(log: &Path) -> PathBuf {
+pub(super) fn default_folder(log: &Path) -> PathBuf {
     Path::new("plots").join(log.file_stem().unwrap_or(log.as_os_str()))
 }
 

@@ -22,14 +22,12 @@ impl Reference {
         let file = named.map_or(text, |(file, _)| file);
         let path = Path::new(file);
         let bytes = std::fs::read(path).map_err(|error| UserError::plain(format!("cannot read {file}: {error}")))?;
-        let first_line = String::from_utf8_lossy(&bytes);
-        let head = first_line.lines().find(|line| !line.starts_with('#')).unwrap_or_default();
-        let mut columns = head.split(',').map(str::trim);
-        let (x, y) = named.map_or_else(
-            || (columns.next().unwrap_or_default(), columns.next().unwrap_or_default()),
-            |(_, names)| names,
-        );
-        let table = CsvTable::read(&SceneFile { path: path.to_owned(), bytes: bytes.clone() }, x, y);
+        let text = String::from_utf8_lossy(&bytes).into_owned();
+        let head = text.lines().find(|line| !line.starts_with('#')).unwrap_or_default();
+        let first_two =
+            head.split_once(',').map(|(x, rest)| (x.trim(), rest.split(',').next().unwrap_or_default().trim()));
+        let (x, y) = named.map(|(_, names)| names).or(first_two).unwrap_or_default();
+        let table = CsvTable::read(&SceneFile { path: path.to_owned(), bytes }, x, y);
         let table = table.map_err(|invalid| UserError::plain(invalid.message))?;
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         Ok(Self { name, points: table.rows().iter().map(|(x, y)| [*x, *y]).collect() })
