@@ -57,6 +57,8 @@ pub enum Stage {
     BodyForce,
     /// Force of the fluid on structures, Eqs. 17 and 18.
     Loads,
+    /// Shifting of particles to where they are sparse.
+    Shifting,
     /// v ← v + ½Δt a.
     SecondKick,
     /// The next Δt, Eq. 19, and the watch over divergence.
@@ -124,7 +126,7 @@ pub(crate) fn init(app: &mut App) {
         )
             .chain(),
         (S::Continuity, S::Diffusion, S::State, S::FreeSurface, S::GhostPressure, S::WallImpact).chain(),
-        (S::Momentum, S::BodyForce, S::Loads, S::SecondKick, S::TimeStep).chain(),
+        (S::Momentum, S::BodyForce, S::Loads, S::Shifting, S::SecondKick, S::TimeStep).chain(),
     );
     let mut step = Schedule::new(Step);
     step.configure_sets(order.chain());

@@ -13,7 +13,7 @@ use crate::neighbours::PeriodicSides;
 use crate::particles::{
     Acceleration, Density, DensityRate, Fluid, Mass, Position, Pressure, ReferenceDensity, Velocity, columns,
 };
-use crate::physics::{EquationOfState, ForceSums, Gravity};
+use crate::physics::{EquationOfState, ForceSums, Gravity, ShiftedMass, Shifting};
 
 /// Energies and works (J; J/m in 2D) and impulses (N s; N s/m) since the start.
 #[derive(Resource, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
@@ -30,6 +30,7 @@ pub(super) struct Ledger {
     pub damping: f64,
     pub diffusion: f64,
     pub resets: f64,
+    pub shifting: f64,
     pub turnover: f64,
     /// Impulse of gravity and whatever else accelerates besides pair forces.
     pub body_impulse: DVec3,
@@ -154,6 +155,21 @@ pub(super) fn close_step(
     (now.time_step, now.bodies) = (dt, *bodies);
     ledger.enter(&now);
     books.iter_mut().for_each(|mut books| books.ledger = *ledger);
+}
+
+/// Enters the height that particles gained when they were shifted.
+pub(super) fn enter_shift(
+    setting: Res<Shifting>,
+    shifted: Res<ShiftedMass>,
+    gravity: Res<Gravity>,
+    periodic: Res<PeriodicSides>,
+    mut ledger: ResMut<Ledger>,
+    mut books: Query<&mut Books>,
+) {
+    if *setting != Shifting::Off {
+        ledger.shifting -= gravity_with_height(&gravity, &periodic).dot(shifted.0);
+        books.iter_mut().for_each(|mut books| books.ledger = *ledger);
+    }
 }
 
 /// The scene's g (m/s²) without its components along periodic axes, where there is no height.

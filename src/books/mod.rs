@@ -5,7 +5,7 @@
 //! `E = K + U + C` with `K = ½ Σ m v²`, `U = −Σ m g·x` with the g of the scene (without its part along periodic axes, where
 //! there is no height) and `C = Σ m e(ρ)`, `e = ∫ p dρ/ρ²` from ρ0 on with the pressure p of Eq. 7. The books hold
 //!
-//! `E(t) − E(0) = W_walls + W_body + W_damping + W_viscous + W_impact + W_diffusion + W_resets + W_ghosts + W_volumes + R`
+//! `E(t) − E(0) = W_walls + W_body + W_damping + W_viscous + W_impact + W_diffusion + W_resets + W_shifting + W_ghosts + W_volumes + R`
 //!
 //! where each W (J; J/m in 2D) is work done *on* the fluid, found from its own forces, and R, the residual, is what is
 //! left: with all pair forces accounted for, the error of the integration in time, of second order in Δt where the flow is smooth.
@@ -24,6 +24,7 @@
 //! | impact | impact pressure of walls, less what walls do by it: dissipation |
 //! | diffusion | `Σ m (p/ρ²) Δt D_i`, exact by the secant of e over the step |
 //! | resets | densities set anew: C changed otherwise than by `Δt dρ/dt`; within a step, less what the pressure force had put into it |
+//! | shifting | `−Σ m g·δr`: height that [shifting](crate::physics::Shifting) gains |
 //!
 //! **Densities set anew.** Where the free surface gives a particle another density than `ρ + Δt dρ/dt`, the pressure that acts
 //! before and after is that of the densities it had and was given, not of the one in between that nothing ever
@@ -83,7 +84,8 @@ impl Plugin for BooksPlugin {
             (
                 sums::note_before.after(Stage::Continuity).before(Stage::Diffusion),
                 pair_forces.after(Stage::WallImpact).before(Stage::Momentum),
-                ledger::close_step.after(Stage::Loads).before(Stage::SecondKick),
+                ledger::close_step.after(Stage::Loads).before(Stage::Shifting),
+                ledger::enter_shift.after(Stage::Shifting).before(Stage::SecondKick),
             )
                 .run_if(any_with_component::<Books>),
         );

@@ -19,7 +19,7 @@ pub struct Books {
 }
 
 /// Fields in J (J/m in 2D): energies of the moment, works on the fluid since the start, what is left.
-const ENERGY_FIELDS: [(&str, &str); 14] = [
+const ENERGY_FIELDS: [(&str, &str); 15] = [
     ("kinetic", "K"),
     ("potential", "U, in the gravity of the scene, without its part along periodic axes"),
     ("compression", "C, of the whole pressure of Eq. 7"),
@@ -30,6 +30,7 @@ const ENERGY_FIELDS: [(&str, &str); 14] = [
     ("impact", "work of the impact pressure of walls, less that of walls: dissipated"),
     ("diffusion", "compression changed by the diffusion of density"),
     ("resets", "densities set anew: compression changed otherwise than by their rate of change"),
+    ("shifting", "height gained by particles that were shifted"),
     ("ghosts", "pressure of ghosts, less the work of walls and the fluid's compression by them"),
     ("volumes", "what the pressure force does and the continuity equation does not take up, between fluid particles"),
     ("residual", "K + U + C less its value at the start and less all works"),
@@ -90,6 +91,7 @@ impl Probe for Books {
             of(Kind::Impact),
             books.diffusion,
             books.resets,
+            books.shifting,
             of(Kind::Ghosts),
             of(Kind::Volumes),
         ];

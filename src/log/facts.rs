@@ -10,8 +10,8 @@ use crate::outputs::{OutputKind, OutputTimes};
 use crate::particles::{Fluid, Solid, Wall};
 use crate::phases::phases;
 use crate::physics::{
-    CLEAR_FILLING, EquationOfState, GREATEST_COMPRESSION, LEAST_DETERMINANT, LEAST_FILLING, LEAST_RATIO,
-    fullness_in_front,
+    AT_SURFACE, CLEAR_FILLING, EquationOfState, GREATEST_COMPRESSION, LEAST_DETERMINANT, LEAST_FILLING, LEAST_RATIO,
+    LONGEST_SHIFT, fullness_in_front,
 };
 use crate::probes::{DEPTH, DRY, LEAST_SHARE, RIM};
 use crate::scene::{Resolution, SceneInfo, WALL_CLEARANCE};
@@ -100,6 +100,8 @@ pub fn fixed_numbers(world: &World) -> Vec<Fact> {
         ("fluid_clearance_of_bodies", "spacings", WALL_CLEARANCE),
         ("free_surface.least_filling", "", LEAST_FILLING),
         ("free_surface.clear_filling", "", CLEAR_FILLING),
+        ("shifting.at_surface", "", AT_SURFACE),
+        ("shifting.longest", "smoothing lengths", LONGEST_SHIFT),
         ("wall_impact.phi_0", "", phi_0),
         ("wall_impact.phi_1", "", phi_1),
         ("strain_rate.least_determinant", "", LEAST_DETERMINANT),

@@ -15,6 +15,7 @@ mod momentum;
 mod pair_kernel;
 mod plugin;
 mod pressure_force;
+mod shifting;
 mod strain_rate;
 mod time_step;
 mod viscous_force;
@@ -35,6 +36,7 @@ pub use momentum::{Contact, ForceSums, Momentum, MomentumSettings, momentum};
 pub use pair_kernel::pair_kernel;
 pub use plugin::PhysicsPlugin;
 pub use pressure_force::{DensityWeighted, PressureAverage, PressureForm, VolumeWeighted};
+pub use shifting::{Filled, ShiftedMass, Shifting, Shifts, shift_particles};
 pub use strain_rate::{StrainSettings, strain_rate};
 pub use time_step::{TimeStepSettings, next_time_step};
 pub use viscous_force::{CentralForm, LaplacianForm, ViscousForce, ViscousForm};
@@ -46,5 +48,6 @@ pub(crate) use free_surface::{CLEAR_FILLING, LEAST_FILLING};
 pub(crate) use momentum::{
     FluidColumns, FluidState, Forces, GhostColumns, GhostState, impact_force, mean_viscosity, pair_forces, with_forms,
 };
+pub(crate) use shifting::{AT_SURFACE, LONGEST_SHIFT};
 pub(crate) use strain_rate::LEAST_DETERMINANT;
 pub(crate) use wall_impact::fullness_in_front;

@@ -9,10 +9,11 @@ use super::divergence::{OutOfRange, explain_divergence};
 use super::equation_of_state::advance_state;
 use super::integration::kick;
 use super::{
-    CompressionGradients, DensityDiffusion, Divergence, ForceSums, FreeSurface, Gravity, ImpactPressure, MidwaySums,
-    MomentumSettings, Settling, StateSettings, StrainSettings, TimeStepSettings, WallImpact, compression_gradient,
-    density_diffusion, density_rate, drift, free_surface, ghost_pressure, ghost_velocity, midway_sums, momentum,
-    next_time_step, pair_kernel, strain_rate, wall_impact,
+    CompressionGradients, DensityDiffusion, Divergence, Filled, ForceSums, FreeSurface, Gravity, ImpactPressure,
+    MidwaySums, MomentumSettings, Settling, ShiftedMass, Shifting, Shifts, StateSettings, StrainSettings,
+    TimeStepSettings, WallImpact, compression_gradient, density_diffusion, density_rate, drift, free_surface,
+    ghost_pressure, ghost_velocity, midway_sums, momentum, next_time_step, pair_kernel, shift_particles, strain_rate,
+    wall_impact,
 };
 use crate::app::StoreggaApp;
 use crate::schedule::Stage;
@@ -34,10 +35,13 @@ impl Plugin for PhysicsPlugin {
             .register_scene_section::<FreeSurface>()
             .register_scene_section::<MomentumSettings>()
             .register_scene_section::<WallImpact>()
+            .register_scene_section::<Shifting>()
             .register_scene_section::<Settling>()
             .register_scene_section::<TimeStepSettings>();
 
         app.register_particle_column::<ImpactPressure>();
+        app.register_particle_column_for::<Filled, Shifts>();
+        app.init_resource::<ShiftedMass>().register_rebuilt::<ShiftedMass>();
 
         let time_step = || (next_time_step, explain_divergence.run_if(|out: Res<OutOfRange>| out.0)).chain();
 
@@ -60,6 +64,7 @@ impl Plugin for PhysicsPlugin {
             .set_stage(Stage::WallImpact, wall_impact, wall_impact)
             .set_stage(Stage::Momentum, momentum::<2>, momentum::<3>)
             .set_stage(Stage::BodyForce, apply_body_force, apply_body_force)
+            .set_stage(Stage::Shifting, shift_particles::<2>, shift_particles::<3>)
             .set_stage(Stage::SecondKick, kick, kick)
             .set_stage(Stage::TimeStep, time_step(), time_step());
     }

@@ -20,6 +20,7 @@ mod pressure_forces;
 mod refusals;
 mod rheologies;
 mod settling;
+mod shifting;
 mod slip;
 mod state;
 #[path = "../support/steps.rs"]
