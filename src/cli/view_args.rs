@@ -37,10 +37,10 @@ impl Frames {
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  storegga export runs/submarine_slide.mcap --vtk paraview
-  storegga export runs/submarine_slide.mcap --vtk paraview --from 0.4 --to 0.8 --every 2
+  storegga export runs/submarine_slide.mcap --vtk runs/paraview
+  storegga export runs/submarine_slide.mcap --vtk runs/paraview --from 0.4 --to 0.8 --every 2
 
-ParaView opens paraview/particles.pvd, walls.pvd and structures.pvd; the representation `Point Gaussian` shows particles as
+ParaView opens runs/paraview/particles.pvd, walls.pvd and structures.pvd; the representation `Point Gaussian` shows particles as
 discs. Python reads them with pyvista. Units are those of the log, SI; each file names them in its field data.")]
 pub(super) struct ExportArgs {
     /// Log, whole or torn.
