@@ -104,13 +104,20 @@ impl FieldFigure {
         let size = ((SIZE * spacing).ceil() as i32).max(2);
         let bodies = panel.bodies.iter().map(|place| (place, BODY));
         let fluid = panel.places.iter().zip(&panel.values).map(|(place, value)| (place, self.colour(*value)));
+        let [left, top, width, height] = axes.rectangle;
+        let radius = if size < DISC { size / 2 } else { (0.5 * SQUARE * spacing).ceil() as i32 };
         for (&place, colour) in bodies.chain(fluid).filter(|(place, _)| axes.holds(**place)) {
             let (x, y) = axes.pixel(place);
+            // What reaches over the frame would hide the title and the numbers.
+            let is_inside = |at: i32, least: i32, span: i32| at >= least + radius && at <= least + span - radius;
+            if !is_inside(x, left, width) || !is_inside(y, top, height) {
+                continue;
+            }
             let drawn = if size < DISC {
                 let (left, top) = (x - size / 2, y - size / 2);
                 area.draw(&Rectangle::new([(left, top), (left + size, top + size)], colour.filled()))
             } else {
-                area.draw(&Circle::new((x, y), (0.5 * SQUARE * spacing).ceil() as i32, colour.filled()))
+                area.draw(&Circle::new((x, y), radius, colour.filled()))
             };
             drawn.map_err(words)?;
         }

@@ -126,7 +126,7 @@ fn scale(panels: &[Panel], label: String, name: &str, range: Option<(f64, f64)>)
 }
 
 /// Spacings of bodies that are shown around the fluid.
-const RIM: f64 = 4.5;
+const RIM: f64 = 4.8;
 
 /// What is shown: the fluid of all times, and a rim.
 fn bounds(scenes: &[Snapshot], view: View, spacing: f64) -> [(f64, f64); 2] {
