@@ -1,6 +1,6 @@
 //! What lies next to the fluids at the start: free surfaces, and gaps that are too thin to be one.
 
-use std::collections::{BTreeMap, HashSet};
+use std::collections::{BTreeMap, HashMap};
 
 use bevy_ecs::prelude::*;
 use glam::DVec3;
@@ -20,12 +20,40 @@ const GAP_SHARE: f64 = 0.5;
 
 /// The cells of the lattice and what is in them.
 struct Cells {
-    fluid: HashSet<LatticeIndex>,
+    fluid: CellSet,
     /// The shapes of the fluids: `Fitted` ones have no particle in some cells, and two in others.
     shapes: Vec<Shape>,
     bodies: Vec<(String, BodyShape, bool)>,
     periodic: PeriodicSides,
     resolution: Resolution,
+}
+
+/// A set of cells, block by block of eight along each axis: a bit for each cell, so that the set of a million fits a cache.
+#[derive(Default)]
+struct CellSet {
+    blocks: HashMap<LatticeIndex, [u64; 8]>,
+}
+
+impl CellSet {
+    fn of(cells: impl Iterator<Item = LatticeIndex>) -> Self {
+        let mut blocks: HashMap<LatticeIndex, [u64; 8]> = HashMap::new();
+        for cell in cells {
+            let (block, word, bit) = Self::place(cell);
+            blocks.entry(block).or_default()[word] |= bit;
+        }
+        Self { blocks }
+    }
+
+    fn contains(&self, cell: LatticeIndex) -> bool {
+        let (block, word, bit) = Self::place(cell);
+        self.blocks.get(&block).is_some_and(|words| words[word] & bit != 0)
+    }
+
+    /// Block, word in it, bit in that.
+    fn place(cell: LatticeIndex) -> (LatticeIndex, usize, u64) {
+        let [i, j, k] = cell.map(|index| index.rem_euclid(8));
+        (cell.map(|index| index.div_euclid(8)), k as usize, 1 << (8 * j + i))
+    }
 }
 
 /// What is in a cell.
@@ -42,9 +70,9 @@ impl Cells {
         let bodies = body_shapes(world);
         let periodic = *world.resource::<PeriodicSides>();
         let shapes = world.resource::<FilledFluids>().fluids.iter().map(|(shape, _)| shape.clone()).collect();
-        let mut cells = Self { fluid: HashSet::new(), shapes, bodies, periodic, resolution };
+        let mut cells = Self { fluid: CellSet::default(), shapes, bodies, periodic, resolution };
         let mut fluid = world.query_filtered::<&Position, With<Fluid>>();
-        cells.fluid = fluid.iter(world).map(|x| cells.index(x.0)).collect();
+        cells.fluid = CellSet::of(fluid.iter(world).map(|x| cells.index(x.0)));
         cells
     }
 
@@ -55,7 +83,7 @@ impl Cells {
 
     fn content(&self, x: DVec3) -> Content {
         let x = self.periodic.wrap(x);
-        if self.fluid.contains(&self.index(x)) {
+        if self.fluid.contains(self.index(x)) {
             return Content::Fluid;
         }
         let solid =
