@@ -95,7 +95,7 @@ const LEAST_JUMP: f64 = 1e-3;
 
 fields! {
     /// What shifting reads of a particle; a ghost has φ and ρ0 of nobody, and counts in C alone.
-    pub(super) struct Place<D> {
+    pub(super) struct ShiftState<D> {
         volume: f64,
         filled: f64,
         /// 1 at the free surface, else 0.
@@ -106,8 +106,8 @@ fields! {
 
 fields! {
     /// ∇C, −d φ, and the normals of the free surface and of the interface.
-    pub(super) struct Crowding<D> {
-        concentration: Vector<D>,
+    pub(super) struct Concentration<D> {
+        gradient: Vector<D>,
         filling: f64,
         /// The part of particles at the surface in it.
         near_surface: f64,
@@ -116,17 +116,23 @@ fields! {
     }
 }
 
-/// The sums of a particle.
-struct Crowds;
+/// ∇C and what tells where the free surface and interfaces are.
+struct ConcentrationGradient;
 
-impl<const D: usize> PairTerm<D> for Crowds {
-    type State = Place<D>;
-    type Sum = Crowding<D>;
+impl<const D: usize> PairTerm<D> for ConcentrationGradient {
+    type State = ShiftState<D>;
+    type Sum = Concentration<D>;
 
     #[inline(always)]
-    fn fluid<R: Real>(&self, sum: &mut Crowding<D, R>, i: &Place<D, R>, j: &Place<D, R>, pair: &Pair<D, R>) {
+    fn fluid<R: Real>(
+        &self,
+        sum: &mut Concentration<D, R>,
+        i: &ShiftState<D, R>,
+        j: &ShiftState<D, R>,
+        pair: &Pair<D, R>,
+    ) {
         let volume_grad_w = pair.r_ij * (pair.gradient * j.volume);
-        sum.concentration += volume_grad_w;
+        sum.gradient += volume_grad_w;
         sum.filling = pair.r_ij.dot_plus(volume_grad_w, sum.filling);
         sum.near_surface = pair.r_ij.dot_plus(volume_grad_w * j.at_surface, sum.near_surface);
         sum.surface.add_product(volume_grad_w, j.filled - i.filled);
@@ -134,21 +140,27 @@ impl<const D: usize> PairTerm<D> for Crowds {
     }
 
     #[inline(always)]
-    fn ghost<R: Real>(&self, sum: &mut Crowding<D, R>, _: &Place<D, R>, b: &Place<D, R>, pair: &Pair<D, R>) {
+    fn ghost<R: Real>(
+        &self,
+        sum: &mut Concentration<D, R>,
+        _: &ShiftState<D, R>,
+        b: &ShiftState<D, R>,
+        pair: &Pair<D, R>,
+    ) {
         let volume_grad_w = pair.r_ij * (pair.gradient * b.volume);
-        sum.concentration += volume_grad_w;
+        sum.gradient += volume_grad_w;
         sum.filling = pair.r_ij.dot_plus(volume_grad_w, sum.filling);
     }
 }
 
-impl<const D: usize> Crowding<D> {
+impl<const D: usize> Concentration<D> {
     /// δr_i (m): `scale` (m²) times −∇C without what is not to be, at most `longest` (m).
     fn shift(&self, scale: f64, longest: f64, h: f64, rho0: f64) -> DVec3 {
         let filled = -self.filling / D as f64;
         if filled < LEAST_FILLING {
             return DVec3::ZERO;
         }
-        let mut shift = -scale * DVec3::from(self.concentration);
+        let mut shift = -scale * DVec3::from(self.gradient);
         if filled < AT_SURFACE || -self.near_surface > NEAR_SURFACE * D as f64 {
             shift = shift.reject_from_normalized(DVec3::from(self.surface).normalize_or_zero());
         }
@@ -186,7 +198,7 @@ pub fn shift_particles<const D: usize>(
     let h = resolution.smoothing_length;
     let [walls, structures] = [columns(&walls), columns(&structures)].map(|(x, volume): (&[Position], &[Volume])| {
         move |b: usize| {
-            let state = Place { volume: volume[b].0, filled: 0.0, at_surface: 0.0, reference_density: 0.0 };
+            let state = ShiftState { volume: volume[b].0, filled: 0.0, at_surface: 0.0, reference_density: 0.0 };
             Gathered { position: x[b].0.into(), state }
         }
     });
@@ -196,24 +208,27 @@ pub fn shift_particles<const D: usize>(
             let volume = m[i].0 / rho[i].0;
             let filled = filled[i].0;
             let at_surface = if filled < AT_SURFACE { 1.0 } else { 0.0 };
-            let state = Place { volume, filled, at_surface, reference_density: rho0[i].0 };
+            let state = ShiftState { volume, filled, at_surface, reference_density: rho0[i].0 };
             Gathered { position: x[i].0.into(), state }
         };
-        let records = workspace.gather::<D, Place<D>>(&neighbours.rows, own, walls, structures);
-        let sweep = Sweep::new(&neighbours, &*kernel.0, records, Crowds);
+        let records = workspace.gather::<D, ShiftState<D>>(&neighbours.rows, own, walls, structures);
+        let sweep = Sweep::new(&neighbours, &*kernel.0, records, ConcentrationGradient);
         sums.resize(x.len(), (DVec3::ZERO, 0.0));
         sums.par_chunks_mut(PIECE).enumerate().for_each(|(piece, sums)| {
             let first = piece * PIECE;
-            sweep.sum(first, sums.len(), |k, sum: Crowding<D>| {
+            sweep.sum(first, sums.len(), |k, sum: Concentration<D>| {
                 let i = first + k;
                 let scale = coefficient * h * v[i].0.length() * clock.time_step;
                 sums[k] = (sum.shift(scale, LONGEST_SHIFT * h, h, rho0[i].0), -sum.filling / D as f64);
             });
         });
-        let (mut longest, mut moved) = (0.0_f64, DVec3::ZERO);
-        for (((x, filled), (shift, phi)), m) in x.iter_mut().zip(filled).zip(&*sums).zip(m) {
+        let columns = x.par_iter_mut().zip(filled).zip(&*sums).with_min_len(PIECE);
+        columns.for_each(|((x, filled), (shift, phi))| {
             x.0 += *shift;
             filled.0 = *phi;
+        });
+        let (mut longest, mut moved) = (0.0_f64, DVec3::ZERO);
+        for ((shift, _), m) in sums.iter().zip(m) {
             longest = longest.max(shift.length_squared());
             moved += m.0 * *shift;
         }
