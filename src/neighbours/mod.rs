@@ -10,7 +10,7 @@ mod sweep;
 
 pub(crate) use build::FIRST_SKIN;
 pub use build::{NeighbourSettings, Neighbours, NeighboursPlugin};
-pub use clusters::{CLUSTER, ClusterList, Near};
+pub use clusters::{CLUSTER, ClusterList, Near, NearRows};
 pub use images::{Image, PeriodicSides};
 pub use list::{Pair, PairList, Pairs, sum_pairs};
 pub use sweep::{PairTerm, Sweep};

@@ -2,7 +2,7 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::clusters::{CLUSTER, ClusterList, Near};
+use super::clusters::{CLUSTER, ClusterList, MOST};
 use super::{Neighbours, Pair};
 use crate::kernels::PairKernel;
 use crate::lanes::{Fields, Lanes, Real, one_by_one, vectorised};
@@ -107,9 +107,10 @@ impl<const D: usize, T: PairTerm<D>, W: FnMut(usize, T::Sum)> Piece<'_, D, T, W>
     fn run<R: Real>(mut self, zero: R) {
         let list: &ClusterList = &self.sweep.neighbours.fluid;
         const { assert!(<T::Sum as Fields>::COUNT <= MOST_SUMS) };
-        let (mut sums, mut batch) = ([0.0; MOST_SUMS * CLUSTER], [0.0; BATCH]);
+        let (mut sums, mut batch, mut rows) = ([0.0; MOST_SUMS * CLUSTER], [0.0; BATCH], [0; MOST]);
         for first in (self.first..self.end).step_by(R::LANES) {
-            let sum = self.of(zero, first, list.of(first), &mut batch);
+            let near = list.of(first);
+            let sum = self.of(zero, first, [near.fluid.unpacked(&mut rows), near.ghosts], &mut batch);
             T::Sum::each(
                 &sum,
                 #[inline(always)]
@@ -133,7 +134,7 @@ impl<const D: usize, T: PairTerm<D>, W: FnMut(usize, T::Sum)> Piece<'_, D, T, W>
         &self,
         zero: R,
         first: usize,
-        near: Near<'_>,
+        [fluid, ghosts]: [&[u32]; 2],
         batch: &mut [f64; BATCH],
     ) -> <T::Sum as Fields>::With<R> {
         let Sweep { kernel, records, term, .. } = self.sweep;
@@ -154,7 +155,7 @@ impl<const D: usize, T: PairTerm<D>, W: FnMut(usize, T::Sum)> Piece<'_, D, T, W>
             #[inline(always)]
             |_| zero,
         );
-        for (rows, is_fluid) in [(near.fluid, true), (near.ghosts, false)] {
+        for (rows, is_fluid) in [(fluid, true), (ghosts, false)] {
             for rows in rows.chunks(BATCH / R::LANES) {
                 for (&row, out) in rows.iter().zip(batch.chunks_exact_mut(R::LANES)) {
                     let r_ij = separation(zero, x_i, records.row(row as usize));

@@ -35,7 +35,7 @@ impl Probe for PhaseMixing {
 fn is_isolated(state: &State<'_>, i: usize) -> bool {
     let (fluid, rows) = (&state.fluid, &state.neighbours.rows);
     let (mut own, mut all) = (0.0, 0.0);
-    for &row in state.neighbours.fluid.of(i).fluid {
+    for row in state.neighbours.fluid.of(i).fluid.iter() {
         let j = rows.source(row);
         let mut gradient = [fluid.position[i].0.distance_squared(fluid.position[j].0 + rows.shift(row))];
         let r_squared = gradient[0];

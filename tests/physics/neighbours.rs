@@ -17,12 +17,12 @@ fn compare(world: &mut World) {
     let neighbours = world.resource::<Neighbours>();
     for i in 0..positions.len() {
         let rows = &neighbours.rows;
-        let reaches = |row: &&u32| {
-            let x_j = positions[rows.source(**row)] + rows.shift(**row);
+        let reaches = |row: &u32| {
+            let x_j = positions[rows.source(*row)] + rows.shift(*row);
             positions[i].distance(x_j) < radius * (1.0 - 1e-6)
         };
         let near = neighbours.fluid.of(i).fluid.iter();
-        let mut listed: Vec<usize> = near.filter(reaches).map(|row| rows.source(*row)).filter(|j| *j != i).collect();
+        let mut listed: Vec<usize> = near.filter(reaches).map(|row| rows.source(row)).filter(|j| *j != i).collect();
         let near = |j: &usize| sides.separation(positions[i], positions[*j]).length() < radius * (1.0 - 1e-6);
         let mut brute: Vec<usize> = (0..positions.len()).filter(|j| *j != i && near(j)).collect();
         listed.sort_unstable();
