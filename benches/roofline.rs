@@ -12,7 +12,7 @@ use pulp::{Arch, Simd, WithSimd};
 use storegga::clock::Clock;
 use storegga::kernels::SmoothingKernel;
 use storegga::log::{Column, FLUID_FIELDS, LogWriter};
-use storegga::particles::{Fluid, Position};
+use storegga::particles::{Fluid, Position, Workspace};
 use support::{step, tank};
 
 /// Rounds; the fastest counts.
@@ -127,7 +127,9 @@ fn share_of_log() -> Result<(), Box<dyn std::error::Error>> {
     let vector = Column::Vector(&places);
     let scalar = Column::Scalar(&scalars);
     let columns = [vector, vector, scalar, scalar, scalar, scalar, Column::U8(&bytes), Column::U32(&numbers)];
-    let (result, frame) = fastest_of(3, || log.write_points(cloud, 0.0, &columns).and_then(|()| log.flush()));
+    let mut workspace = Workspace::default();
+    let (result, frame) =
+        fastest_of(3, || log.write_points(cloud, 0.0, &columns, &mut workspace).and_then(|()| log.flush()));
     result?;
     log.finish()?;
     std::fs::remove_file(&path)?;

@@ -9,7 +9,7 @@ use crate::boundary::{Body, Motion, Structure};
 use crate::clock::Clock;
 use crate::particles::{
     BodyIndex, Density, Fluid, ParticleId, PhaseIndex, Position, Pressure, ShearRate, Solid, Velocity, Viscosity, Wall,
-    WallVelocity, columns,
+    WallVelocity, Workspace, columns,
 };
 
 type FluidState = (
@@ -39,6 +39,7 @@ pub(super) fn write_particles(
     mut failure: ResMut<LogFailure>,
     clock: Res<Clock>,
     more: Res<ParticleFields>,
+    mut workspace: ResMut<Workspace>,
     fluid: Query<FluidState, With<Fluid>>,
 ) {
     let (position, velocity, density, pressure, viscosity, shear_rate, phase, id): FluidColumns<'_> = columns(&fluid);
@@ -55,7 +56,7 @@ pub(super) fn write_particles(
     ];
     let columns: Vec<_> = own.into_iter().chain(more.values().iter().map(|values| Column::Scalar(values))).collect();
     let channel = log.particles;
-    failure.note(log.writer.write_points(channel, clock.time, &columns));
+    failure.note(log.writer.write_points(channel, clock.time, &columns, &mut workspace));
 }
 
 type BodyState = (&'static Position, &'static WallVelocity, &'static Pressure, &'static BodyIndex);
@@ -66,6 +67,7 @@ pub(super) fn write_bodies(
     mut log: ResMut<Log>,
     mut failure: ResMut<LogFailure>,
     clock: Res<Clock>,
+    mut workspace: ResMut<Workspace>,
     bodies: Query<(&Motion, Has<Structure>), With<Body>>,
     walls: Query<BodyState, With<Wall>>,
     structures: Query<BodyState, With<Solid>>,
@@ -75,10 +77,10 @@ pub(super) fn write_bodies(
     let due =
         |structure: bool| is_first || bodies.iter().any(|(motion, is)| is == structure && *motion != Motion::Still);
     if let Some(channel) = log.walls.filter(|_| due(false)) {
-        failure.note(write_cloud(&mut log.writer, channel, clock.time, columns(&walls)));
+        failure.note(write_cloud(&mut log.writer, channel, clock.time, columns(&walls), &mut workspace));
     }
     if let Some(channel) = log.structures.filter(|_| due(true)) {
-        failure.note(write_cloud(&mut log.writer, channel, clock.time, columns(&structures)));
+        failure.note(write_cloud(&mut log.writer, channel, clock.time, columns(&structures), &mut workspace));
     }
     log.last_frame = Some(clock.time);
 }
@@ -88,6 +90,7 @@ fn write_cloud(
     channel: PointsId,
     time: f64,
     (position, velocity, pressure, body): BodyColumns<'_>,
+    workspace: &mut Workspace,
 ) -> Result<(), LogError> {
     let body: Vec<_> = body.iter().map(|body| byte(body.0)).collect();
     // Particles of bodies keep their rows: the row is their number.
@@ -99,7 +102,7 @@ fn write_cloud(
         Column::U8(&body),
         Column::U32(&id),
     ];
-    writer.write_points(channel, time, &columns)
+    writer.write_points(channel, time, &columns, workspace)
 }
 
 /// The number of a phase or body in a byte; those beyond share the last.

@@ -8,6 +8,8 @@ use foxglove::messages::{
 };
 use glam::DVec3;
 
+use crate::particles::Workspace;
+
 /// Name of the one frame of reference of a log: the coordinates of the scene.
 const FRAME: &str = "world";
 
@@ -191,8 +193,13 @@ impl Points {
         Self { channel, sequence: 0, kinds: fields.iter().map(|field| field.kind).collect(), cloud }
     }
 
-    /// Writes the message of one frame to `out`, or says why the columns do not fit.
-    pub fn encode(&mut self, timestamp: Timestamp, columns: &[Column], out: &mut Vec<u8>) -> Result<(), String> {
+    /// The message of one frame, written to `workspace`, or why the columns do not fit.
+    pub fn encode<'w>(
+        &mut self,
+        timestamp: Timestamp,
+        columns: &[Column],
+        workspace: &'w mut Workspace,
+    ) -> Result<&'w [u8], String> {
         if !columns.iter().flat_map(Column::kinds).eq(&self.kinds) {
             return Err("the columns of a point cloud are not those its topic was added with".to_owned());
         }
@@ -202,15 +209,15 @@ impl Points {
         }
         let stride = self.cloud.point_stride as usize;
         self.cloud.timestamp = Some(timestamp);
-        out.clear();
-        out.reserve_exact(self.cloud.encoded_len().unwrap_or_default() + DATA_HEAD + count * stride);
-        self.cloud.encode(out).map_err(|error| error.to_string())?;
+        let mut head = Vec::new();
+        self.cloud.encode(&mut head).map_err(|error| error.to_string())?;
         // The rows, which are most of it, are packed where they are to be: the message has no `data` of its own.
-        out.push(DATA_TAG);
-        put_varint(out, (count * stride) as u64);
-        let start = out.len();
-        out.resize(start + count * stride, 0);
-        for (index, block) in out[start..].chunks_mut(BLOCK * stride).enumerate() {
+        head.push(DATA_TAG);
+        put_varint(&mut head, (count * stride) as u64);
+        let message: &mut [u8] = workspace.values(head.len() + count * stride);
+        let (start, rows) = message.split_at_mut(head.len());
+        start.copy_from_slice(&head);
+        for (index, block) in rows.chunks_mut(BLOCK * stride).enumerate() {
             let first = index * BLOCK;
             let particles = first..first + block.len() / stride;
             let mut offset = 0;
@@ -219,15 +226,12 @@ impl Points {
                 offset += column.size();
             }
         }
-        Ok(())
+        Ok(message)
     }
 }
 
 /// Number 6 of `foxglove.PointCloud`, its last field, `data`: bytes with their length before them.
 const DATA_TAG: u8 = 6 << 3 | 2;
-
-/// Most bytes before the rows: the tag and a length.
-const DATA_HEAD: usize = 11;
 
 /// Seven bits a byte, the lowest first; all bytes but the last have the highest bit set.
 fn put_varint(out: &mut Vec<u8>, mut value: u64) {

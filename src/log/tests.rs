@@ -11,6 +11,7 @@ use mcap::{McapError, Message, MessageStream, Summary, read::Options};
 use serde_json::{Value as Json, json};
 
 use super::*;
+use crate::particles::Workspace;
 
 /// A path in the temporary folder, removed at the end of the test.
 struct TempLog(PathBuf);
@@ -45,7 +46,7 @@ fn write_frames(log: &mut LogWriter, ids: (PointsId, SeriesId), range: std::ops:
             Column::U8(&[7, 8, 9]),
             Column::U32(&[0, 1, u32::MAX]),
         ];
-        log.write_points(ids.0, time, &columns).unwrap();
+        log.write_points(ids.0, time, &columns, &mut Workspace::default()).unwrap();
         let values = [Value::Number(0.1), Value::Number(f64::from(frame)), Value::Text("sound")];
         log.write_record(ids.1, time, &values).unwrap();
         log.flush().unwrap();
@@ -141,7 +142,8 @@ fn rows_of_many_blocks_keep_their_order_when_the_count_changes() {
     for (frame, count) in counts.iter().enumerate() {
         let ids: Vec<u32> = (0..*count).collect();
         let x: Vec<f64> = ids.iter().map(|id| f64::from(*id) / 2.0).collect();
-        log.write_points(points, frame as f64, &[Column::Scalar(&x), Column::U32(&ids)]).unwrap();
+        log.write_points(points, frame as f64, &[Column::Scalar(&x), Column::U32(&ids)], &mut Workspace::default())
+            .unwrap();
     }
     log.finish().unwrap();
 
@@ -261,11 +263,11 @@ fn misuse_is_an_error_and_the_log_goes_on() {
     assert!(log.write_series(ids.1, 0.0, &[1.0, 2.0, 3.0]).is_err(), "a number for a text");
     assert!(log.write_record(ids.1, 0.0, &[Value::Number(1.0)]).is_err(), "too few values");
     assert!(log.write_series(SeriesId(9), 0.0, &[]).is_err());
-    assert!(log.write_points(ids.0, 0.0, &[Column::U8(&[1])]).is_err(), "not the fields");
+    assert!(log.write_points(ids.0, 0.0, &[Column::U8(&[1])], &mut Workspace::default()).is_err(), "not the fields");
     let x = [DVec3::ZERO; 2];
     let uneven =
         [Column::Vector(&x), Column::Vector(&x), Column::Scalar(&[1.0]), Column::U8(&[1; 2]), Column::U32(&[1; 2])];
-    assert!(log.write_points(ids.0, 0.0, &uneven).is_err(), "columns of different lengths");
+    assert!(log.write_points(ids.0, 0.0, &uneven, &mut Workspace::default()).is_err(), "columns of different lengths");
     assert!(log.add_points("/none", &[]).is_err());
     write_frames(&mut log, ids, 0..2);
     log.finish().unwrap();

@@ -19,6 +19,7 @@ use super::{
     points::{Column, PointField, Points, PointsId},
     series::{self, Field, Series, SeriesId, Value},
 };
+use crate::particles::Workspace;
 
 /// Topic of what the run has to say.
 const LOG_TOPIC: &str = "/log";
@@ -58,7 +59,7 @@ pub struct LogWriter {
     checksum: crc32fast::Hasher,
     /// Next sequence number of channels that were copied and so far belong to nothing else.
     copied: BTreeMap<u16, u32>,
-    /// The encoded message, kept so that its memory is used again.
+    /// The encoded row of a series or line, kept so that its memory is used again.
     scratch: Vec<u8>,
 }
 
@@ -152,15 +153,23 @@ impl LogWriter {
     }
 
     /// Writes one frame of points at `time` \[s\]. The `columns` fill the fields in order, a
-    /// [`Column::Vector`] three of them, and all have one value per particle.
-    pub fn write_points(&mut self, id: PointsId, time: f64, columns: &[Column]) -> Result<(), LogError> {
+    /// [`Column::Vector`] three of them, and all have one value per particle. They are packed in the `workspace`.
+    pub fn write_points(
+        &mut self,
+        id: PointsId,
+        time: f64,
+        columns: &[Column],
+        workspace: &mut Workspace,
+    ) -> Result<(), LogError> {
         let nanos = nanos(time);
         let Some(points) = self.points.get_mut(id.0) else {
             return Err(self.error("a point cloud belongs to another log"));
         };
         let header = header(points.channel, &mut points.sequence, nanos);
-        let encoded = points.encode(timestamp(nanos), columns, &mut self.scratch);
-        self.write_scratch(encoded, header)
+        match points.encode(timestamp(nanos), columns, workspace) {
+            Ok(message) => self.write_message(&header, message),
+            Err(why) => Err(self.error(why)),
+        }
     }
 
     /// Writes a line for people to read to `/log`, at `time` \[s\].

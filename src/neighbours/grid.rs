@@ -1,9 +1,9 @@
 //! A grid of cells in which neighbours are looked for.
 
-use bytemuck::{Pod, Zeroable};
+use bytemuck::{Pod, Zeroable, cast_slice_mut};
 use glam::DVec3;
 
-use super::list::{clear_with_room, resize_with_room};
+use super::list::resize_with_room;
 use crate::particles::Workspace;
 
 /// One row in the order of the cells.
@@ -14,6 +14,9 @@ pub(super) struct Entry {
     pub row: u32,
     fluid: u32,
 }
+
+/// Numbers of 32 bits that an entry is made of.
+const ENTRY: usize = size_of::<Entry>() / size_of::<u32>();
 
 impl Entry {
     pub fn position(&self) -> DVec3 {
@@ -33,7 +36,6 @@ pub(super) struct Grid {
     cells: [usize; 3],
     /// `first[c]..first[c + 1]` are the entries of cell c.
     first: Vec<u32>,
-    cell_of_row: Vec<u32>,
 }
 
 /// A grid never has more cells than this many times the number of rows: when one particle flies far away, cells grow
@@ -90,23 +92,24 @@ impl Grid {
         is_fluid: impl Fn(usize) -> bool,
         workspace: &'a mut Workspace,
     ) -> SortedRows<'a> {
-        clear_with_room(&mut self.cell_of_row);
-        self.cell_of_row.reserve(positions.len());
+        let rows = positions.len();
+        // The entries, then the cell of each row.
+        let numbers: &mut [u32] = workspace.values((ENTRY + 1) * rows);
+        let (entries, cell_of_row) = numbers.split_at_mut(ENTRY * rows);
         let cells = self.cells.iter().product::<usize>();
         self.first.clear();
         resize_with_room(&mut self.first, cells + 1, 0);
-        for &position in positions {
-            let cell = self.cell(position);
-            self.cell_of_row.push(cell);
-            if cell != OUTSIDE {
-                self.first[cell as usize + 1] += 1;
+        for (cell, &position) in cell_of_row.iter_mut().zip(positions) {
+            *cell = self.cell(position);
+            if *cell != OUTSIDE {
+                self.first[*cell as usize + 1] += 1;
             }
         }
         for c in 0..cells {
             self.first[c + 1] += self.first[c];
         }
-        let entries: &mut [Entry] = workspace.values(self.first[cells] as usize);
-        for (row, &cell) in self.cell_of_row.iter().enumerate() {
+        let entries: &mut [Entry] = &mut cast_slice_mut(entries)[..self.first[cells] as usize];
+        for (row, &cell) in cell_of_row.iter().enumerate() {
             if cell != OUTSIDE {
                 let place = &mut self.first[cell as usize];
                 let fluid = u32::from(is_fluid(row));

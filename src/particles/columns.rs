@@ -21,7 +21,7 @@ where
 
 /// A per-particle quantity that moves along when fluid particles are re-sorted.
 trait Column: Send + Sync {
-    fn permute(&mut self, world: &mut World, cycles: &Cycles);
+    fn permute(&mut self, world: &mut World, cycles: &Cycles<'_>);
 }
 
 struct TypedColumn<T: Component<Mutability = Mutable>> {
@@ -29,7 +29,7 @@ struct TypedColumn<T: Component<Mutability = Mutable>> {
 }
 
 impl<T: Component<Mutability = Mutable> + Copy> Column for TypedColumn<T> {
-    fn permute(&mut self, world: &mut World, cycles: &Cycles) {
+    fn permute(&mut self, world: &mut World, cycles: &Cycles<'_>) {
         let Ok(tables) = self.values.contiguous_iter_mut(world) else { return };
         for mut table in tables {
             cycles.apply(table.bypass_change_detection());
@@ -38,38 +38,39 @@ impl<T: Component<Mutability = Mutable> + Copy> Column for TypedColumn<T> {
 }
 
 /// A permutation as its cycles, so that it is applied in place.
-#[derive(Default)]
-struct Cycles {
+struct Cycles<'a> {
     /// Rows, cycle after cycle: what is in one row goes to the row before it, and what is in the first row to the last. Rows that
     /// stay are left out.
-    rows: Vec<u32>,
+    rows: &'a [u32],
     /// Where in `rows` each cycle ends.
-    ends: Vec<u32>,
+    ends: &'a [u32],
 }
 
-impl Cycles {
-    /// That which puts what is in row `order[k]` into row `k`. Afterwards `order` counts 0, 1, 2, ….
-    fn set(&mut self, order: &mut [u32]) {
-        self.rows.clear();
-        self.ends.clear();
-        // As much as there can be: no order is the first that needs more.
-        self.rows.reserve_exact(order.len());
-        self.ends.reserve_exact(order.len() / 2);
+impl<'a> Cycles<'a> {
+    /// That which puts what is in row `order[k]` into row `k`. Afterwards `order` counts 0, 1, 2, …. The cycles are kept in
+    /// `memory`, which holds as many numbers as `order`, and half as many for the ends: a cycle has two rows or more.
+    fn of(order: &mut [u32], memory: &'a mut [u32]) -> Self {
+        let (rows, ends) = memory.split_at_mut(order.len());
+        let (mut moved, mut cycles) = (0, 0);
         for first in 0..order.len() {
+            let before = moved;
             let mut row = first;
             while order[row] as usize != row {
-                self.rows.push(row as u32);
+                rows[moved] = row as u32;
+                moved += 1;
                 row = std::mem::replace(&mut order[row], row as u32) as usize;
             }
-            if self.ends.last().map_or(0, |end| *end as usize) < self.rows.len() {
-                self.ends.push(self.rows.len() as u32);
+            if before < moved {
+                ends[cycles] = moved as u32;
+                cycles += 1;
             }
         }
+        Self { rows: &rows[..moved], ends: &ends[..cycles] }
     }
 
     fn apply<T: Copy>(&self, values: &mut [T]) {
         let mut start = 0;
-        for &end in &self.ends {
+        for &end in self.ends {
             let cycle = &self.rows[start..end as usize];
             let first = values[cycle[0] as usize];
             for step in cycle.windows(2) {
@@ -95,7 +96,6 @@ pub struct ParticleColumns {
     columns: Vec<Box<dyn Column>>,
     known: Vec<ComponentId>,
     optional: Vec<OptionalColumn>,
-    cycles: Cycles,
 }
 
 impl ParticleColumns {
@@ -164,13 +164,13 @@ impl ParticleColumns {
     }
 }
 
-/// Puts the particle that is in row `order[k]` into row `k`, in every registered column. `order` is used up.
-pub fn permute_columns(world: &mut World, order: &mut [u32]) {
+/// Puts the particle that is in row `order[k]` into row `k`, in every registered column. `order` is used up; `memory` is room for
+/// one and a half times as many numbers.
+pub(crate) fn permute_columns(world: &mut World, order: &mut [u32], memory: &mut [u32]) {
+    let cycles = Cycles::of(order, memory);
     world.resource_scope(|world, mut registered: Mut<ParticleColumns>| {
-        let ParticleColumns { columns, cycles, .. } = &mut *registered;
-        cycles.set(order);
-        for column in columns {
-            column.permute(world, cycles);
+        for column in &mut registered.columns {
+            column.permute(world, &cycles);
         }
     });
 }
@@ -184,11 +184,8 @@ mod tests {
         // One cycle of three, two rows that stay, one of two, one of two.
         let order = [3, 1, 0, 2, 4, 7, 8, 5, 6];
         let values = ["a", "b", "c", "d", "e", "f", "g", "h", "i"];
-        let (mut cycles, mut permuted) = (Cycles::default(), values);
-        for _ in 0..2 {
-            cycles.set(&mut order.clone());
-        }
-        cycles.apply(&mut permuted);
+        let mut permuted = values;
+        Cycles::of(&mut order.clone(), &mut [0; 13]).apply(&mut permuted);
         assert_eq!(permuted, order.map(|row| values[row as usize]));
     }
 }

@@ -75,9 +75,9 @@ impl Workspace {
         Records { numbers, of: PhantomData }
     }
 
-    /// `len` values of a kind that is made of whole numbers of 8 bytes; what they are is not said.
+    /// `len` values of a kind that needs no other alignment than numbers have; what they are is not said.
     pub(crate) fn values<T: Pod>(&mut self, len: usize) -> &mut [T] {
-        cast_slice_mut(self.numbers(len * (size_of::<T>() / size_of::<f64>()), 0))
+        &mut cast_slice_mut(self.numbers((len * size_of::<T>()).div_ceil(size_of::<f64>()), 0))[..len]
     }
 
     /// The first `len` numbers. Of them `wavering` come and go: a little room for them spares most new allocations.

@@ -5,7 +5,8 @@ mod components;
 mod gather;
 mod vector;
 
-pub use columns::{ParticleColumns, columns, permute_columns};
+pub(crate) use columns::permute_columns;
+pub use columns::{ParticleColumns, columns};
 pub use components::*;
 pub use gather::{GRAIN, Gathered, PIECE, Records, Workspace};
 pub use vector::Vector;

@@ -6,6 +6,7 @@ use std::fs;
 
 use mcap::Summary;
 use storegga::log::{LogWriter, copy_log, recover_log};
+use storegga::particles::Workspace;
 
 use crate::chunks;
 use crate::program::{Folder, Told, assert_parts, messages, told};
@@ -138,7 +139,7 @@ fn a_log_goes_on_after_its_copy() {
     let (vector, scalar) = (storegga::log::Column::Vector(&empty), storegga::log::Column::Scalar(&[]));
     let (u8s, u32s) = (storegga::log::Column::U8(&[]), storegga::log::Column::U32(&[]));
     let columns = [vector, vector, scalar, scalar, scalar, scalar, u8s, u32s];
-    writer.write_points(frames, 0.03, &columns).unwrap();
+    writer.write_points(frames, 0.03, &columns, &mut Workspace::default()).unwrap();
     writer.write_series(ticks, 0.03, &[]).unwrap();
     writer.finish().unwrap();
 
