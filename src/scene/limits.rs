@@ -44,11 +44,12 @@ pub(crate) fn limit_particles((min, max): (DVec3, DVec3), resolution: &Resolutio
 }
 
 /// Bytes that a particle takes besides its pairs: its columns and the change ticks of each, the packed records of the sweeps, where it
-/// was when lists were built, its part of a frame's chunk. With the sums of the books; without them it is a fifth less.
-const BYTES_PER_PARTICLE: f64 = 640.0;
+/// was when lists were built, its part of a frame of the log and of that frame's chunk.
+const BYTES_PER_PARTICLE: f64 = 620.0;
 
-/// Bytes of a pair that a sweep over the fluid meets: a quarter of the neighbour's row in 16 bits, since four particles share a list.
-const BYTES_PER_FLUID_PAIR: f64 = 0.5;
+/// Bytes of a pair that a sweep over the fluid meets: a quarter of the neighbour's row, since four particles share a list. Mostly half of
+/// that in the plane, where 16 bits hold the row.
+const BYTES_PER_FLUID_PAIR: f64 = 1.0;
 
 /// Bytes of a pair of a ghost: the neighbour's row and one kernel column.
 const BYTES_PER_GHOST_PAIR: f64 = 12.0;
