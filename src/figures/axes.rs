@@ -127,9 +127,54 @@ pub(super) fn write_upwards<DB: DrawingBackend>(
     area.draw(&Text::new(text.to_owned(), at, style)).map_err(words)
 }
 
-/// Writes the title above a figure whose axes have their middle at `middle`.
+/// Writes the title above a figure whose axes have their middle at `middle`: over it if there is room, in two lines if one is too
+/// long, and smaller if two are.
 pub(super) fn write_title<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, title: &str, middle: i32) -> DrawResult {
-    let font = (FONT, TITLE).into_font().style(FontStyle::Bold);
-    let style = font.into_text_style(area).pos(Pos::new(HPos::Center, VPos::Center));
-    area.draw(&Text::new(title.to_owned(), (middle, TOP / 2), style)).map_err(words)
+    let width = area.dim_in_pixel().0 as i32;
+    let room = width - 2 * TITLE_MARGIN;
+    let measure = |line: &str, size: u32| {
+        let style = (FONT, size).into_font().style(FontStyle::Bold).into_text_style(area);
+        area.estimate_text_size(line, &style).map(|(width, _)| width as i32).map_err(words)
+    };
+    let one = measure(title, TITLE)?;
+    let (lines, size) = if one <= room {
+        (vec![title], TITLE)
+    } else {
+        let lines = halves(title);
+        let longest = lines.iter().map(|line| measure(line, LETTERS)).collect::<Result<Vec<_>, _>>()?.into_iter().max();
+        let fit = room as f64 / f64::from(longest.unwrap_or(1).max(1));
+        (lines, (f64::from(LETTERS) * fit.min(1.0)) as u32)
+    };
+    for (k, line) in lines.iter().enumerate() {
+        let half = measure(line, size)? / 2;
+        let x = middle.clamp((TITLE_MARGIN + half).min(width / 2), (width - TITLE_MARGIN - half).max(width / 2));
+        let y = TOP / 2 + (2 * k as i32 + 1 - lines.len() as i32) * (size as i32 * 6 / 10);
+        let font = (FONT, size).into_font().style(FontStyle::Bold);
+        let style = font.into_text_style(area).pos(Pos::new(HPos::Center, VPos::Center));
+        area.draw(&Text::new((*line).to_owned(), (x, y), style)).map_err(words)?;
+    }
+    Ok(())
+}
+
+/// Pixels beside a title.
+const TITLE_MARGIN: i32 = 20;
+
+/// A text in two lines, broken at the blank that is nearest to its middle.
+fn halves(text: &str) -> Vec<&str> {
+    let middle = text.len() / 2;
+    match text.match_indices(' ').map(|(at, _)| at).min_by_key(|at| at.abs_diff(middle)) {
+        Some(at) => vec![&text[..at], &text[at + 1..]],
+        None => vec![text],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_title_is_broken_at_the_blank_nearest_to_its_middle() {
+        assert_eq!(halves("a slide meets ä cable"), ["a slide", "meets ä cable"]);
+        assert_eq!(halves("rotating_flume"), ["rotating_flume"]);
+    }
 }
