@@ -12,7 +12,7 @@ use crate::scene::{FilledFluids, Invalid};
 /// Compression |ρ/ρ0 − 1| of the fluid, the `greatest` and the root mean square `rms` over particles, and two counts of
 /// particles:
 ///
-/// - `lost`: outside the box that bounds all walls, their openings, structures and fluids of the start;
+/// - `lost`: more than half a spacing outside the box that bounds all walls, their openings, structures and fluids of the start;
 /// - `inside_wall`: deeper than half a spacing in a wall or structure, wherever it has moved by then.
 #[derive(Component, Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -25,7 +25,7 @@ pub struct DensityError {
     moved: Vec<Option<Kinematics>>,
 }
 
-/// Depth (in spacings) in a body below which a particle counts as inside.
+/// Depth (in spacings) in a body below which a particle counts as inside, and distance from the scene beyond which it counts as lost.
 pub(crate) const DEPTH: f64 = 0.5;
 
 impl Probe for DensityError {
@@ -64,7 +64,7 @@ impl Probe for DensityError {
             greatest = greatest.max(compression.abs());
             sum += compression * compression;
             let x = state.periodic.wrap(fluid.position[i].0);
-            lost += u32::from(x.clamp(self.bounds.0, self.bounds.1) != x);
+            lost += u32::from((x.clamp(self.bounds.0, self.bounds.1) - x).abs().max_element() > depth);
             let mut bodies = self.bodies.iter().zip(&self.moved);
             inside += u32::from(bodies.any(|((body, _), moved)| clearance(body, moved, x) < -depth));
         }
@@ -97,6 +97,7 @@ mod tests {
         app.assert("rho.lost", 1.0, 0.0);
         app.assert("rho.inside_wall", 3.0, 0.0);
     }
+
     /// A drum that has turned by a quarter has its long side where its short side was.
     #[test]
     fn bodies_are_looked_for_where_they_have_moved() {
@@ -112,6 +113,15 @@ mod tests {
         let mut app = opened(text);
         app.measure();
         app.assert("rho.inside_wall", 0.0, 0.0);
+        // One particle less than half a spacing beyond the wall's surface, one a little more.
+        app.move_fluid(|x| match (x.x, x.y) {
+            (x0, y0) if x0 > 0.38 && y0 > 0.08 => DVec3::new(0.409, y0, 0.0),
+            (x0, y0) if x0 > 0.38 && y0 < -0.08 => DVec3::new(0.411, y0, 0.0),
+            _ => x,
+        });
+        app.measure();
+        app.assert("rho.lost", 1.0, 0.0);
+        app.assert("rho.inside_wall", 1.0, 0.0);
         // A quarter of a turn later, with the fluid where it was: the drum is 0.2 m wide, and of 40 columns of 10 particles 11
         // are in it or no deeper than half a spacing in its wall.
         app.0.world_mut().resource_mut::<Clock>().time = 1.0;
