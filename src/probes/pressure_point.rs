@@ -7,8 +7,9 @@ use serde::{Deserialize, Serialize};
 
 use super::parameters::{inside, place};
 use super::{Probe, SeriesField, State};
-use crate::scene::Invalid;
+use crate::boundary::{Body, Motion};
 use crate::scene::geometry::Point;
+use crate::scene::{Invalid, unknown};
 
 /// `pressure` (Pa) at a place x by the formula for ghosts (Eq. 15; Adami et al. 2012):
 ///
@@ -21,9 +22,15 @@ use crate::scene::geometry::Point;
 #[derive(Component, Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PressurePoint {
-    /// The place (m).
+    /// The place (m); at the start, if it moves.
     #[schemars(extend("unit" = "m"))]
     pub at: Point,
+    /// Name of the wall or structure with which it moves, as a sensor in a turning drum does.
+    #[serde(default)]
+    #[schemars(extend("derived" = "stays where it is"))]
+    pub moves_with: Option<String>,
+    #[serde(skip)]
+    motion: Motion,
 }
 
 /// Distance (in spacings) of the nearest particle beyond which a place is dry.
@@ -40,13 +47,28 @@ impl Probe for PressurePoint {
 
     fn prepare(&mut self, world: &mut World) -> Result<(), Invalid> {
         let x = place(world, "at", self.at)?;
+        if let Some(name) = &self.moves_with {
+            let mut query = world.query::<(&Body, &Motion)>();
+            let bodies: Vec<_> = query.iter(world).collect();
+            let Some((_, motion)) = bodies.iter().find(|(body, _)| body.name == *name) else {
+                return Err(unknown(
+                    "moves_with",
+                    "wall or structure",
+                    name,
+                    bodies.iter().map(|(body, _)| &*body.name),
+                ));
+            };
+            self.motion = (*motion).clone();
+        }
         inside(world, "at", x, DVec3::ZERO)
     }
 
     fn measure(&mut self, state: &State<'_>, row: &mut [f64]) {
         let (mut sum_pw, mut sum_rho_r_w, mut sum_w) = (0.0, DVec3::ZERO, 0.0);
         let mut nearest = f64::INFINITY;
-        for (f, r, w) in state.around(self.at.position()) {
+        let start = self.at.position();
+        let place = self.motion.at(state.clock.time).map_or(start, |moved| moved.of(start).0);
+        for (f, r, w) in state.around(place) {
             sum_pw += state.fluid.pressure[f].0 * w;
             sum_rho_r_w += r * (state.fluid.density[f].0 * w);
             sum_w += w;
@@ -60,7 +82,8 @@ impl Probe for PressurePoint {
 
 #[cfg(test)]
 mod tests {
-    use crate::probes::test_support::{TANK, measured, opened, scene};
+    use crate::clock::Clock;
+    use crate::probes::test_support::{TANK, complaint, measured, opened, scene};
 
     #[test]
     fn a_column_at_rest_is_exact_on_the_floor_and_inside() {
@@ -84,6 +107,33 @@ mod tests {
         // The highest particles, at (0.2 ± 0.01, 0.39), are 0.028 and 0.032 m away: within 0.03 m and not.
         app.assert("just_above.pressure", -9.81 * 16.0, 1e-9);
         assert!(app.value("little_above.pressure").is_some_and(f64::is_nan));
+    }
+
+    /// A sensor in the side of a box that has turned by half: it lies where the other side was.
+    #[test]
+    fn a_sensor_moves_with_its_body() {
+        let text = |sensor: &str| {
+            format!(
+                r#"Scene(
+            dimension: 2, spacing: 0.02, gravity: (0.0, 0.0), end_time: 2.0, equation_of_state: (max_speed: 1.0),
+            phases: {{ "water": (reference_density: 1000.0, rheology: Newtonian(viscosity: 0.001)) }},
+            fluids: [(phase: "water", shape: Box(min: (-0.4, -0.1), max: (0.4, 0.1)), pressure: Uniform(0.0))],
+            walls: {{ "drum": (
+                shape: Box(min: (-0.4, -0.1), max: (0.4, 0.1)),
+                motion: Rotation(center: (0.0, 0.0), rate: 1.5707963267948966)) }},
+            probes: {{ "p": PressurePoint(at: (0.2, 0.0), moves_with: "{sensor}") }},
+        )"#
+            )
+        };
+        let mut app = opened(&text("drum"));
+        app.set_fluid(|x, _, p, _| *p = 100.0 * x.x);
+        app.measure();
+        app.assert("p.pressure", 20.0, 1e-9);
+        app.0.world_mut().resource_mut::<Clock>().time = 2.0;
+        app.measure();
+        app.assert("p.pressure", -20.0, 1e-9);
+        let told = complaint(&text("drun"));
+        assert!(told.contains("moves_with") && told.contains("did you mean `drum`?"), "{told}");
     }
 
     #[test]
