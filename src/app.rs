@@ -102,7 +102,9 @@ struct RheologyOrder(usize);
 
 impl StoreggaApp for App {
     fn register_rheology<R: FlowCurve>(&mut self, name: &str) -> &mut Self {
-        self.register_rheology_system::<R, _>(name, apply_flow_curve::<R>)
+        self.register_rheology_system::<R, _>(name, apply_flow_curve::<R>);
+        self.world_mut().resource_mut::<RheologyRegistry>().set_curve::<R>(name);
+        self
     }
 
     fn register_rheology_system<R: Rheology, M>(

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand};
 
-use super::view_args::{ExportArgs, MovieArgs, PlotArgs};
+use super::view_args::{ExportArgs, ForcesArgs, MovieArgs, PlotArgs};
 
 /// Simulates submarine landslides, the waves they raise, and the forces with which they hit structures.
 #[derive(Debug, Parser)]
@@ -47,6 +47,8 @@ pub(super) enum Command {
     Plot(PlotArgs),
     /// Draw every frame of a log, as an animation.
     Movie(MovieArgs),
+    /// Judge the force on a structure: peak, mean, impulse, coefficients, raw and filtered.
+    Forces(ForcesArgs),
     /// Write the frames of a log as files that ParaView opens.
     Export(ExportArgs),
     /// Print the page of every field of a scene in Markdown: meaning, unit, default, range.

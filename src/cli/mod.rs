@@ -10,6 +10,7 @@ mod doctor;
 mod estimate;
 mod exit;
 mod export;
+mod forces;
 mod json;
 mod movie;
 mod plot;
@@ -49,6 +50,7 @@ pub fn main<P: PluginGroup>(plugins: fn() -> P) -> ExitCode {
         Command::Doctor(args) => doctor::doctor(&args),
         Command::Plot(args) => plot::plot(&args),
         Command::Movie(args) => movie::movie(&args),
+        Command::Forces(args) => forces::forces(&args, plugins),
         Command::Export(args) => export::export(&args),
         Command::Reference => schema::reference(plugins),
         Command::Schema => schema::schema(plugins),

@@ -102,6 +102,74 @@ pub(super) struct PlotArgs {
     pub format: PictureFormat,
 }
 
+/// Arguments of `storegga forces`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  storegga forces runs/pipe_impact.mcap --velocity 1 --width 0.1 --phase slide --steady 2,4
+  storegga forces runs/rotating_flume.mcap --arm 0.8 --velocity 0.38 --width 0.02 --phase sand --cutoff 5
+
+Forces are those of the log: of the fluid on the structure, in 2D per metre where the scene gives it no length.
+C = F/(½ρU²A), with A = D times the structure's length (1 m where it has none). Re = ρU²/τ with τ of the phase at γ̇ = U/D.
+Each component is drawn, raw and filtered.")]
+pub(super) struct ForcesArgs {
+    /// Log, whole or torn.
+    pub log: PathBuf,
+    /// Name of the structure; can be left out where there is one only.
+    #[arg(long, value_name = "NAME")]
+    pub structure: Option<String>,
+    /// Direction of drag; lift is to its left, in 2D. Along x if left out.
+    #[arg(long, value_name = "X,Y[,Z]", allow_hyphen_values = true, value_parser = vector)]
+    pub direction: Option<[f64; 3]>,
+    /// Of a structure that turns about the point to which its moment refers: its distance (m) from there. The force along its path
+    /// is the moment over it.
+    #[arg(long, value_name = "METRES", conflicts_with = "direction", value_parser = positive)]
+    pub arm: Option<f64>,
+    /// Velocity U (m/s) of the flow, for coefficients.
+    #[arg(long, value_name = "M/S", requires = "width", value_parser = positive)]
+    pub velocity: Option<f64>,
+    /// Width D (m) of the structure across the flow.
+    #[arg(long, value_name = "METRES", requires = "velocity", value_parser = positive)]
+    pub width: Option<f64>,
+    /// Frontal area A (m²), where it is not D times the length.
+    #[arg(long, value_name = "M2", requires = "velocity", value_parser = positive)]
+    pub area: Option<f64>,
+    /// Phase whose density and rheology count.
+    #[arg(long, value_name = "NAME", requires = "velocity")]
+    pub phase: Option<String>,
+    /// Density ρ (kg/m³), where it is not that of the phase; 1000 if there is no phase.
+    #[arg(long, value_name = "KG/M3", requires = "velocity", value_parser = positive)]
+    pub density: Option<f64>,
+    /// Cutoff (Hz) of the filter; a twentieth of the rate of sampling if left out.
+    #[arg(long, value_name = "HZ", value_parser = positive)]
+    pub cutoff: Option<f64>,
+    /// Times (s) between which the mean is taken; the second half if left out.
+    #[arg(long, value_name = "FROM,TO", value_parser = range)]
+    pub steady: Option<(f64, f64)>,
+    /// Folder for the figures; by default plots/<log>. It is made if it does not exist.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// File format.
+    #[arg(long, value_enum, default_value_t)]
+    pub format: PictureFormat,
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| *number > 0.0 && number.is_finite());
+    number.ok_or_else(|| "expected a number greater than 0".to_owned())
+}
+
+fn vector(text: &str) -> Result<[f64; 3], String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(str::parse).collect();
+    let vector = match numbers.as_deref() {
+        Ok([x, y]) => [*x, *y, 0.0],
+        Ok([x, y, z]) => [*x, *y, *z],
+        _ => [0.0; 3],
+    };
+    let is_some = vector.iter().any(|component| *component != 0.0) && vector.iter().all(|x| x.is_finite());
+    if is_some { Ok(vector) } else { Err("expected two or three numbers, not all 0, such as 1,0".to_owned()) }
+}
+
 /// How particles are shown.
 #[derive(Debug, Clone, Copy, Args)]
 pub(super) struct Look {

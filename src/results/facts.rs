@@ -15,6 +15,8 @@ pub struct RunFacts {
     pub phases: Vec<String>,
     /// Unit of each field of particles.
     pub units: BTreeMap<String, String>,
+    /// Every parameter of the scene with its value, by its path.
+    pub parameters: BTreeMap<String, String>,
 }
 
 impl RunFacts {
@@ -32,6 +34,7 @@ impl RunFacts {
             spacing: number("spacing").unwrap_or(0.0),
             phases: phases.into_iter().map(|(_, name)| name).collect(),
             units: metadata.get("units").cloned().unwrap_or_default(),
+            parameters: metadata.get("parameters").cloned().unwrap_or_default(),
         }
     }
 }

@@ -7,6 +7,7 @@ mod facts;
 mod fit;
 mod frame;
 mod profile;
+mod record;
 mod series;
 mod vtk;
 
@@ -14,6 +15,7 @@ pub use facts::RunFacts;
 pub use fit::Fit;
 pub use frame::{Frame, FrameField};
 pub use profile::{line_profile, upper_surface, vertical_axis};
+pub use record::Record;
 pub use series::{SeriesField, TimeSeries};
 pub use vtk::{write_collection, write_points};
 

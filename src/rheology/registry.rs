@@ -45,14 +45,19 @@ pub struct RheologyFacts {
     pub parameters: Vec<(String, String)>,
     /// Parameters that the scene left open, with the values they took.
     pub defaults: Vec<(String, String)>,
+    /// Its flow curve; none if it has a memory.
+    pub curve: Option<Curve>,
 }
+
+/// Viscosity μ (Pa s) of a phase's entity at a shear rate γ̇ (1/s) and a pressure p (Pa), whatever the type of its [`FlowCurve`].
+pub type Curve = fn(EntityRef<'_>, f64, f64) -> Option<f64>;
 
 type Read = fn(&Document, &Named<'_>, &str, &mut EntityWorldMut) -> Result<RheologyFacts, UserError>;
 
 /// The rheologies that a scene can name.
 #[derive(Resource, Default)]
 pub struct RheologyRegistry {
-    entries: Vec<(String, Read, Describe)>,
+    entries: Vec<(String, Read, Describe, Option<Curve>)>,
     registrations: usize,
 }
 
@@ -60,7 +65,7 @@ impl OpenEnum for RheologyRegistry {
     const NAME: &'static str = "rheology";
 
     fn variants(&self) -> impl Iterator<Item = (&str, Describe)> {
-        self.entries.iter().map(|(name, _, describe)| (name.as_str(), *describe))
+        self.entries.iter().map(|(name, _, describe, _)| (name.as_str(), *describe))
     }
 }
 
@@ -68,9 +73,16 @@ impl RheologyRegistry {
     /// Registers `R` in the place of what had its name; how many registrations there have been.
     pub(crate) fn register<R: Rheology>(&mut self, name: &str) -> usize {
         self.entries.retain(|(known, ..)| known != name);
-        self.entries.push((name.to_owned(), read::<R>, describe::<R>));
+        self.entries.push((name.to_owned(), read::<R>, describe::<R>, None));
         self.registrations += 1;
         self.registrations
+    }
+
+    /// Lets others ask for the flow curve of `R`, which was registered as `name`.
+    pub(crate) fn set_curve<R: FlowCurve>(&mut self, name: &str) {
+        for (_, _, _, curve) in self.entries.iter_mut().filter(|(known, ..)| known == name) {
+            *curve = Some(|phase, shear_rate, pressure| Some(phase.get::<R>()?.viscosity(shear_rate, pressure)));
+        }
     }
 
     /// Names that a scene can use.
@@ -92,11 +104,11 @@ impl RheologyRegistry {
             return Err(document.invalid(&Invalid::new(path, "a rheology is needed here")));
         };
         let named = document.named(node)?;
-        let Some((name, read, _)) = self.entries.iter().find(|(known, ..)| known == named.name) else {
+        let Some((name, read, _, curve)) = self.entries.iter().find(|(known, ..)| known == named.name) else {
             let known: Vec<&str> = self.names().collect();
             return Err(document.unknown_name_error(named.span, "rheology", named.name, &known));
         };
-        Ok(RheologyFacts { name: name.clone(), ..read(document, &named, path, entity)? })
+        Ok(RheologyFacts { name: name.clone(), curve: *curve, ..read(document, &named, path, entity)? })
     }
 }
 
@@ -114,6 +126,7 @@ fn read<R: Rheology>(
         greatest_viscosity: rheology.greatest_viscosity(),
         parameters: flatten(path, &rheology),
         defaults: document.defaults(path, &rheology),
+        curve: None,
     };
     entity.insert(rheology);
     Ok(facts)

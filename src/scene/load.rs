@@ -40,6 +40,16 @@ pub fn read_header(world: &World, document: &Document) -> Result<Header, UserErr
     Header::read(document)
 }
 
+/// Reads one section of a scene into `world`, for those who need no more of it.
+///
+/// # Errors
+/// What the user got wrong there, with its place.
+pub(crate) fn load_section(world: &mut World, document: Document, name: &str) -> Result<(), UserError> {
+    world.insert_resource(SceneDocument(document.clone()));
+    let registry = world.resource::<SectionRegistry>().clone();
+    registry.load_only(name, &document, world)
+}
+
 /// Reads every section of a scene into `world` and puts the stages of its dimension into the step schedule.
 ///
 /// # Errors

@@ -27,6 +27,7 @@ pub use header::{Header, Periodic, Resolution, SceneInfo};
 pub use hydrostatics::{Column, Layer};
 pub use invalid::Invalid;
 pub(crate) use limits::{bytes_of, limit_memory, limit_particles};
+pub(crate) use load::load_section;
 pub use load::{Deferred, SceneDocument, load_scene, read_header};
 pub(crate) use places::WALL_CLEARANCE;
 pub use section::{SceneFacts, SceneSection, SceneSettings, SectionError, SectionRegistry};

@@ -140,6 +140,10 @@ impl SectionRegistry {
         self.entries.iter().map(|entry| entry.name)
     }
 
+    pub(super) fn load_only(&self, name: &str, document: &Document, world: &mut World) -> Result<(), UserError> {
+        self.entries.iter().filter(|entry| entry.name == name).try_for_each(|entry| (entry.load)(document, world))
+    }
+
     pub(super) fn load_all(&self, document: &Document, world: &mut World) -> Result<(), UserError> {
         self.entries.iter().try_for_each(|entry| (entry.load)(document, world))
     }

@@ -3,6 +3,7 @@
 mod doctor;
 mod failures;
 mod figures;
+mod forces;
 mod recover;
 
 #[path = "../support/program.rs"]

@@ -27,7 +27,7 @@ pub(super) fn plot(args: &PlotArgs) -> Result<ExitCode, UserError> {
         return Err(UserError::plain(message));
     }
     let reference = args.reference.as_deref().map(Reference::read).transpose()?;
-    std::fs::create_dir_all(&out.folder).map_err(|error| unwritable(&out.folder, &error))?;
+    out.make()?;
     if is_open {
         fields::draw(&results, args, &fields::usual(&results), &out)?;
         series::draw_all(&results, &out)?;
@@ -48,14 +48,19 @@ pub(super) fn default_folder(log: &Path) -> PathBuf {
 }
 
 /// Where figures go, and as what.
-struct Out {
-    folder: PathBuf,
-    format: PictureFormat,
+pub(super) struct Out {
+    pub folder: PathBuf,
+    pub format: PictureFormat,
 }
 
 impl Out {
+    /// Makes the folder.
+    pub fn make(&self) -> Result<(), UserError> {
+        std::fs::create_dir_all(&self.folder).map_err(|error| unwritable(&self.folder, &error))
+    }
+
     /// Writes a figure under `name`, and says so.
-    fn write(&self, name: &str, figure: &impl Figure) -> Result<(), UserError> {
+    pub fn write(&self, name: &str, figure: &impl Figure) -> Result<(), UserError> {
         for extension in self.format.extensions() {
             let path = self.folder.join(name.replace(['/', ':', '='], "_")).with_added_extension(extension);
             save(figure, &path).map_err(|what| UserError::plain(format!("cannot write {}: {what}", path.display())))?;
@@ -66,7 +71,7 @@ impl Out {
 }
 
 /// The complaint about a `name` of a `what` that the log does not have.
-fn unknown<'a>(what: &str, name: &str, known: impl Iterator<Item = &'a str> + Clone) -> UserError {
+pub(super) fn unknown<'a>(what: &str, name: &str, known: impl Iterator<Item = &'a str> + Clone) -> UserError {
     let error = UserError::plain(format!("the log has no {what} `{name}`"));
     let all = known.clone().collect::<Vec<_>>().join(", ");
     match nearest(name, known) {
