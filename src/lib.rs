@@ -37,6 +37,7 @@ pub mod checkpoint;
 pub mod cli;
 pub mod clock;
 pub mod error;
+mod estimate;
 pub mod expect;
 mod failure;
 pub mod figures;

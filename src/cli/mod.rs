@@ -7,7 +7,6 @@
 mod args;
 mod check;
 mod doctor;
-mod estimate;
 mod exit;
 mod export;
 mod json;
