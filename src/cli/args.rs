@@ -103,6 +103,8 @@ pub(super) struct RunArgs {
     pub threads: Threads,
     #[command(flatten)]
     pub shown: Shown,
+    #[command(flatten)]
+    pub input: Input,
 }
 
 /// Arguments of `storegga resume`.
@@ -132,6 +134,8 @@ pub(super) struct ResumeArgs {
     pub threads: Threads,
     #[command(flatten)]
     pub shown: Shown,
+    #[command(flatten)]
+    pub input: Input,
 }
 
 /// Arguments of `storegga check`.
@@ -237,6 +241,14 @@ pub(super) struct Shown {
     /// No progress and no summary; errors and failed expectations still go to standard error.
     #[arg(long, short)]
     pub quiet: bool,
+}
+
+/// What standard input is for.
+#[derive(Debug, Clone, Copy, Args)]
+pub(super) struct Input {
+    /// Stop as on Ctrl-C when standard input ends: for programs that start runs and must not leave them behind.
+    #[arg(long)]
+    pub stop_at_end_of_input: bool,
 }
 
 /// Number of threads.
