@@ -57,3 +57,4 @@ pub mod results;
 pub mod rheology;
 pub mod scene;
 pub mod schedule;
+pub mod study;
