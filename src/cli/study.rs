@@ -1,6 +1,7 @@
 //! `storegga study`.
 
 use std::fs::{self, File};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::thread;
@@ -52,16 +53,13 @@ fn default_folder(study: &Path) -> PathBuf {
     Path::new("runs").join(study.file_stem().unwrap_or(study.as_os_str()))
 }
 
-/// The file by which the folder of a study is known: its text.
-const MARK: &str = "study.ron";
-
-/// The file that a start at work holds locked.
-const LOCK: &str = ".lock";
+/// The file by which the folder of a study is known. It has the study's text, and is locked while a start is at work.
+const MARK: &str = ".study.ron";
 
 /// Refuses a folder with other things in it.
 fn refuse_other_folder(folder: &Path) -> Result<(), UserError> {
-    let mut entries = fs::read_dir(folder).into_iter().flatten().filter_map(Result::ok);
-    if folder.join(MARK).is_file() || entries.all(|entry| entry.file_name() == LOCK) {
+    let mut entries = fs::read_dir(folder).into_iter().flatten();
+    if folder.join(MARK).is_file() || entries.next().is_none() {
         return Ok(());
     }
     let message = format!("{} is not the folder of a study, and not empty", folder.display());
@@ -75,13 +73,13 @@ fn take_folder(folder: &Path, text: &str) -> Result<File, UserError> {
         UserError::plain(message).help("choose another folder with --out")
     };
     fs::create_dir_all(folder).map_err(fail)?;
-    let lock = File::options().write(true).create(true).truncate(false).open(folder.join(LOCK)).map_err(fail)?;
-    if lock.try_lock().is_err() {
+    let mut mark = File::options().write(true).create(true).truncate(false).open(folder.join(MARK)).map_err(fail)?;
+    if mark.try_lock().is_err() {
         let message = format!("another study is at work in {}", folder.display());
         return Err(UserError::plain(message).help("wait for its end, or choose another folder with --out"));
     }
-    fs::write(folder.join(MARK), text).map_err(fail)?;
-    Ok(lock)
+    mark.set_len(0).and_then(|()| mark.write_all(text.as_bytes())).map_err(fail)?;
+    Ok(mark)
 }
 
 /// How processors and memory are shared.

@@ -21,7 +21,7 @@ pub fn write_figures(plan: &Plan, rows: &[Row], folder: &Path) -> Result<Vec<Str
     for (k, spec) in plan.study.figures.iter().enumerate() {
         let (name, figure) = match (spec, &plan.drawn[k]) {
             (FigureSpec::Measure { of, over, by }, _) => {
-                (format!("{of} over {over}"), measure(plan, rows, of, over, by.as_deref()))
+                (format!("{of} over {}", label(plan, over)), measure(plan, rows, of, over, by.as_deref()))
             }
             (FigureSpec::Series { of }, Drawn::Series(source)) => {
                 (of.clone(), curves(plan, rows, k, axes_of(of, &source.unit)))
@@ -67,6 +67,11 @@ fn measure(plan: &Plan, rows: &[Row], of: &str, over: &str, by: Option<&[String]
     let varied = &plan.varied[over];
     let axes = [labelled(&varied.label, &varied.unit), labelled(of, &plan.measures[m].unit)];
     LineFigure { title: plan.study.title.clone(), axes, curves, ..LineFigure::default() }
+}
+
+/// The short name of a varied value.
+fn label<'a>(plan: &'a Plan, path: &str) -> &'a str {
+    plan.varied.iter().find(|varied| varied.path == path).map_or("", |varied| &varied.label)
 }
 
 /// Figure `k` with a curve a run.

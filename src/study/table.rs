@@ -182,7 +182,8 @@ impl Table<'_> {
         let varied = self.plan.varied.iter().map(|varied| labelled(&varied.label, &varied.unit));
         let measures = self.plan.study.measures.iter().zip(&self.plan.measures);
         let measures = measures.map(|(measure, source)| labelled(&measure.name, &source.unit));
-        let names = varied.chain(["particles", "end", "steps", "took"].map(str::to_owned)).chain(measures).collect();
+        let names =
+            varied.chain(["fluid particles", "end", "steps", "took"].map(str::to_owned)).chain(measures).collect();
         let row = |(run, row): (&super::PlannedRun, &Row)| {
             let values = run.values.iter().enumerate().map(|(k, value)| run.number(k).map_or(value.clone(), short));
             let end = match row {

@@ -28,7 +28,7 @@ const GRID: &str = r#"Study(
     figures: [
         Measure(of: "greatest kinetic energy", over: "phases.water.rheology.viscosity"),
         Series(of: "energy.kinetic"),
-        Surface(of: "water", at: 0.05),
+        Surface(of: "water", at: 0.03),
     ],
 )
 "#;

@@ -132,7 +132,7 @@ fn a_file_that_the_scene_reads_counts_too() {
 /// A study of two runs that take seconds, and its first ones.
 fn long(name: &str) -> Folder {
     let study = GRID.replace("[0.001, 1.0]", "[0.001]").replace("[0.02, 0.025]", "[0.01, 0.02]");
-    Folder::with_study(name, &study.replace("    vary", "    set: {\"end_time\": 3.0},\n    vary"))
+    Folder::with_study(name, &study.replace("    vary", "    set: {\"end_time\": 2.0},\n    vary"))
 }
 
 const LONG: [&str; 2] = ["viscosity=0.001,spacing=0.01", "viscosity=0.001,spacing=0.02"];
@@ -140,7 +140,7 @@ const LONG: [&str; 2] = ["viscosity=0.001,spacing=0.01", "viscosity=0.001,spacin
 /// Starts the study, and waits until both of its runs are at work.
 fn start(folder: &Folder) -> Child {
     let child =
-        folder.start(&["study", "study.ron", "--threads", "1", "--jobs", "2", "--checkpoint-every-wall", "0.02"]);
+        folder.start(&["study", "study.ron", "--threads", "1", "--jobs", "2", "--checkpoint-every-wall", "1"]);
     let started = Instant::now();
     let length =
         |name: &str| fs::metadata(folder.path(&format!("runs/study/{name}.mcap"))).map_or(0, |data| data.len());

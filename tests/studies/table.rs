@@ -66,7 +66,7 @@ fn people_get_a_table_and_figures() {
         &drawn(figures[0]),
         &["viscosity (Pa s)", "greatest kinetic energy (J)", "spacing = 0.02 m", "spacing = 0.025 m"],
     );
-    assert_parts(&drawn(figures[2]), &["x (m)", "surface of water at 0.05 s (m)"]);
+    assert_parts(&drawn(figures[2]), &["x (m)", "surface of water at 0.03 s (m)"]);
     assert_parts(&drawn(figures[1]), &["time (s)", "energy: kinetic (J)", "viscosity = 1 Pa s, spacing = 0.025 m"]);
 }
 
