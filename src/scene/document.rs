@@ -266,7 +266,7 @@ impl Document {
 
     fn complain(&self, complaint: Complaint) -> UserError {
         let Complaint { message, span, label, help } = complaint;
-        if let Some((file, span)) = self.from_file(&span) {
+        if let Some((file, span)) = self.brought_from(&span) {
             return file.complain(Complaint { message, span, label, help });
         }
         let origin = self.override_at(&span).and_then(|index| self.overrides.get(index));

@@ -139,8 +139,7 @@ const LONG: [&str; 2] = ["viscosity=0.001,spacing=0.01", "viscosity=0.001,spacin
 
 /// Starts the study, and waits until both of its runs are at work.
 fn start(folder: &Folder) -> Child {
-    let child =
-        folder.start(&["study", "study.ron", "--threads", "1", "--jobs", "2", "--checkpoint-every-wall", "1"]);
+    let child = folder.start(&["study", "study.ron", "--threads", "1", "--jobs", "2", "--checkpoint-every-wall", "1"]);
     let started = Instant::now();
     let length =
         |name: &str| fs::metadata(folder.path(&format!("runs/study/{name}.mcap"))).map_or(0, |data| data.len());

@@ -4,7 +4,7 @@ use std::fs;
 
 use serde_json::Value;
 
-use crate::program::{Folder, TANK, assert_parts, messages};
+use crate::program::{Folder, assert_parts, messages};
 use crate::{GRID, NAMES};
 
 /// Times and values of a field of the energies, read from the messages of a log.
@@ -112,7 +112,7 @@ fn a_run_that_diverges_stands_in_the_table_and_is_not_run_again() {
     let (still, fast): (Vec<_>, Vec<_>) =
         table.values().partition(|row| row["fluids.0.velocity [m/s]"] == "(0.0, 0.0)");
     assert_eq!((still[0]["end"].as_str(), fast[0]["end"].as_str()), ("done", "diverged"));
-    assert!(still[0]["mass [kg]"] != "" && fast[0]["mass [kg]"].is_empty(), "a part of a run has no measures");
+    assert!(!still[0]["mass [kg]"].is_empty() && fast[0]["mass [kg]"].is_empty(), "a part of a run has no measures");
     assert!(fast[0]["time [s]"].parse::<f64>().unwrap() < 0.05 && fast[0]["note"].contains("speed"), "{fast:?}");
     assert_parts(&ran.out(), &["diverged at "]);
     let before = folder.logs();
@@ -153,5 +153,4 @@ fn the_number_of_runs_at_once_changes_nothing() {
     for name in NAMES {
         assert!(one.log(name) == two.log(name), "{name}");
     }
-    assert!(TANK.contains("spacing: 0.01"));
 }

@@ -98,7 +98,7 @@ impl Document {
     }
 
     /// Where the text at `span` stands in the file that brought it, if it is not of the scene itself nor of the command line.
-    pub(super) fn from_file(&self, span: &Range<usize>) -> Option<(&Self, Range<usize>)> {
+    pub(super) fn brought_from(&self, span: &Range<usize>) -> Option<(&Self, Range<usize>)> {
         if let Some(replaced) = self.in_replaced(span) {
             return Some(replaced);
         }
