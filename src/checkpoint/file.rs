@@ -131,7 +131,7 @@ impl Checkpoint {
 }
 
 /// CRC-32 of the executable.
-pub(super) fn program_checksum() -> Option<u32> {
+pub(crate) fn program_checksum() -> Option<u32> {
     let bytes = std::env::current_exe().and_then(fs::read).ok()?;
     Some(crc32fast::hash(&bytes))
 }

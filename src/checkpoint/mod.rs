@@ -20,5 +20,7 @@ pub use place::{checkpoint_of, keep_unfinished, refuse_to_overwrite};
 pub use state::{check_state, restore_state, save_state};
 pub use write::{Checkpoints, start_checkpoints};
 
+pub(crate) use file::program_checksum;
+pub(crate) use resume::changed_line;
 pub(crate) use state::{SavedState, decode, encode};
 pub(crate) use write::{write_before_end, write_if_due, write_last};

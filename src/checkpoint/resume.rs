@@ -11,6 +11,13 @@ use crate::error::UserError;
 use crate::log::{log_program, reopen_log};
 use crate::scene::{Document, SceneFiles};
 
+/// Says which line is the first that differs between two texts of a scene.
+pub(crate) fn changed_line(then: &str, now: &str) -> String {
+    let line = then.lines().zip(now.lines()).take_while(|(then, now)| then == now).count();
+    let shown = |text: &str| text.lines().nth(line).unwrap_or("(the end)").trim().to_owned();
+    format!("its line {} was `{}` and is `{}`", line + 1, shown(then), shown(now))
+}
+
 impl Checkpoint {
     /// A file of the run, seen from the folder in which the program runs now, or else from the one in which the run was
     /// started.
@@ -28,15 +35,8 @@ impl Checkpoint {
         if then.as_str() == &**now {
             return Ok(());
         }
-        let line = then.lines().zip(now.lines()).take_while(|(then, now)| then == now).count();
-        let shown = |text: &str| text.lines().nth(line).unwrap_or("(the end)").trim().to_owned();
-        let message = format!(
-            "the scene {} is not the one of the checkpoint: its line {} was `{}` and is `{}`",
-            document.file(),
-            line + 1,
-            shown(then),
-            shown(now)
-        );
+        let message =
+            format!("the scene {} is not the one of the checkpoint: {}", document.file(), changed_line(then, now));
         let help =
             "put the scene back as it was (its text is an attachment of the log), or start a new run of the new scene";
         Err(UserError::plain(message).help(help))

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand};
 
+use super::study_args::StudyArgs;
 use super::view_args::{ExportArgs, ForcesArgs, MovieArgs, PlotArgs};
 
 /// Simulates submarine landslides, the waves they raise, and the forces with which they hit structures.
@@ -33,6 +34,8 @@ pub(super) enum Command {
     Run(RunArgs),
     /// Go on with a run that was stopped, from its last checkpoint.
     Resume(ResumeArgs),
+    /// Run a scene with many values, and make a table and figures of what comes out.
+    Study(StudyArgs),
     /// Say what a run of a scene would be like, without running it.
     Check(CheckArgs),
     /// Run scenes and compare them with their expectations.
@@ -105,6 +108,8 @@ pub(super) struct RunArgs {
     pub threads: Threads,
     #[command(flatten)]
     pub shown: Shown,
+    #[command(flatten)]
+    pub input: Input,
 }
 
 /// Arguments of `storegga resume`.
@@ -134,6 +139,8 @@ pub(super) struct ResumeArgs {
     pub threads: Threads,
     #[command(flatten)]
     pub shown: Shown,
+    #[command(flatten)]
+    pub input: Input,
 }
 
 /// Arguments of `storegga check`.
@@ -241,6 +248,14 @@ pub(super) struct Shown {
     pub quiet: bool,
 }
 
+/// What standard input is for.
+#[derive(Debug, Clone, Copy, Args)]
+pub(super) struct Input {
+    /// Stop as on Ctrl-C when standard input ends: for programs that start runs and must not leave them behind.
+    #[arg(long)]
+    pub stop_at_end_of_input: bool,
+}
+
 /// Number of threads.
 #[derive(Debug, Args)]
 pub(super) struct Threads {
@@ -265,7 +280,7 @@ fn positive_seconds(text: &str) -> Result<f64, String> {
 }
 
 /// Seconds that a clock can measure.
-fn wall_seconds(text: &str) -> Result<f64, String> {
+pub(super) fn wall_seconds(text: &str) -> Result<f64, String> {
     let seconds = positive_seconds(text)?;
     match Duration::try_from_secs_f64(seconds) {
         Ok(_) => Ok(seconds),

@@ -8,7 +8,6 @@ use bevy_app::PluginGroup;
 use bevy_ecs::prelude::*;
 
 use super::args::CheckArgs;
-use super::estimate::Estimate;
 use super::exit::say;
 use super::number::{bytes, count, duration, short};
 use super::summary::threads;
@@ -18,6 +17,7 @@ use crate::app::{end_time, open};
 use crate::boundary::LeftOut;
 use crate::clock::Limit;
 use crate::error::UserError;
+use crate::estimate::Estimate;
 use crate::kernels::SmoothingKernel;
 use crate::log::{Fact, ParticleCounts, fixed_numbers};
 use crate::outputs::{OutputKind, OutputTimes};

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::{env, panic};
 
+use super::args::Input;
 use crate::app::StopFlag;
 use crate::error::UserError;
 
@@ -95,6 +96,18 @@ pub(super) fn stop_on_interrupt() -> StopFlag {
         complain("Warning: Ctrl-C or SIGTERM will end the program at once: its handler cannot be installed\n");
     }
     stop
+}
+
+/// Sets the flag when standard input ends, if that is asked for.
+pub(super) fn stop_at_end_of_input(asked: Input, stop: &StopFlag) {
+    if asked.stop_at_end_of_input {
+        let stop = stop.clone();
+        std::thread::spawn(move || {
+            // Whatever ends it, nobody is there any more.
+            let _ = io::copy(&mut io::stdin().lock(), &mut io::sink());
+            stop.stop();
+        });
+    }
 }
 
 fn interrupt(stop: &StopFlag) {

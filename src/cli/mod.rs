@@ -1,5 +1,5 @@
-//! The command line: what `storegga run`, `resume`, `check`, `test`, `scenes`, `recover`, `doctor`, `plot`, `movie`, `export`, `reference` and
-//! `schema` do.
+//! The command line: what `storegga run`, `resume`, `study`, `check`, `test`, `scenes`, `recover`, `doctor`, `plot`, `movie`, `export`,
+//! `reference` and `schema` do.
 //!
 //! [`main`] is the whole program for any set of plugins, so that a program of one's own with further plugins is
 //! `fn main() -> ExitCode { storegga::cli::main(|| MyPlugins) }`.
@@ -7,7 +7,6 @@
 mod args;
 mod check;
 mod doctor;
-mod estimate;
 mod exit;
 mod export;
 mod forces;
@@ -21,6 +20,9 @@ mod run;
 mod scenes;
 mod schema;
 mod simulate;
+mod study;
+mod study_args;
+mod study_progress;
 mod summary;
 mod table;
 mod test;
@@ -43,6 +45,7 @@ pub fn main<P: PluginGroup>(plugins: fn() -> P) -> ExitCode {
     let done = match Arguments::parse().command {
         Command::Run(args) => run::run(&args, plugins),
         Command::Resume(args) => resume::resume(&args, plugins),
+        Command::Study(args) => study::study(&args, plugins),
         Command::Check(args) => check::check(&args, plugins),
         Command::Test(args) => test::test(&args, plugins),
         Command::Scenes(args) => scenes::list(&args, plugins),

@@ -29,6 +29,7 @@ pub(super) fn resume<P: PluginGroup>(args: &ResumeArgs, plugins: fn() -> P) -> R
     checkpoint.check_scene(&document)?;
     let log = checkpoint.find(&about.origin.log);
     let stop = exit::stop_on_interrupt();
+    exit::stop_at_end_of_input(args.input, &stop);
     let mut app = open(plugins(), document)?;
     if !args.shown.quiet {
         let place = format!("t = {} s, step {}", short(about.time), count(about.step));

@@ -29,6 +29,7 @@ pub(super) fn run<P: PluginGroup>(args: &RunArgs, plugins: fn() -> P) -> Result<
         checkpoint::refuse_to_overwrite(path, &log)?;
     }
     let stop = exit::stop_on_interrupt();
+    exit::stop_at_end_of_input(args.input, &stop);
     let mut app = open(plugins(), document)?;
     make_folder(&log)?;
     let warnings = warnings::warnings(app.world_mut());

@@ -19,6 +19,7 @@ mod take;
 
 pub use check::{Check, evaluate, has_expectations};
 pub use reference::Reference;
+pub(crate) use section::find as find_number;
 pub use section::{ExpectSection, Expectation, Within};
 pub use table::CsvTable;
 pub use take::Take;

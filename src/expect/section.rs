@@ -133,7 +133,7 @@ impl Expectation {
 }
 
 /// The series and the index of the field called `of`.
-pub(super) fn find(world: &mut World, of: &str) -> Result<(Entity, usize), Invalid> {
+pub(crate) fn find(world: &mut World, of: &str) -> Result<(Entity, usize), Invalid> {
     let mut query = world.query::<(Entity, &Series)>();
     // Names may have dots in them: the last one parts series and field.
     let (name, field) = of.rsplit_once('.').unwrap_or((of, ""));

@@ -87,7 +87,7 @@ const SAME_TIME: f64 = 1e-9;
 
 impl Take {
     /// Refuses windows that end before they start.
-    pub(super) fn check(&self) -> Result<(), Invalid> {
+    pub(crate) fn check(&self) -> Result<(), Invalid> {
         match self.window() {
             Some((from, to)) if from >= to => {
                 Err(Invalid::new("to", format!("must lie after `from`, got {from} and {to} s")))
@@ -110,7 +110,7 @@ impl Take {
     }
 
     /// Unit of the value, for a series in `unit`.
-    pub(super) fn unit<'a>(&self, unit: &'a str) -> &'a str {
+    pub(crate) fn unit<'a>(&self, unit: &'a str) -> &'a str {
         match self {
             Self::Reaches(_) => "s",
             Self::Frequency { .. } => "rad/s",
@@ -120,7 +120,7 @@ impl Take {
     }
 
     /// Refuses times at which a run from 0 to `end_time` (s) measures nothing.
-    pub(super) fn check_times(&self, end_time: f64) -> Result<(), Invalid> {
+    pub(crate) fn check_times(&self, end_time: f64) -> Result<(), Invalid> {
         if let Self::At(t) = *self {
             return in_run("", t, end_time);
         }
@@ -131,7 +131,7 @@ impl Take {
     }
 
     /// The value, or why there is none.
-    pub(super) fn of(&self, samples: &[Sample]) -> Result<f64, String> {
+    pub(crate) fn of(&self, samples: &[Sample]) -> Result<f64, String> {
         let values = || samples.iter().map(|(_, value)| *value);
         match *self {
             Self::Last => values().next_back().ok_or_else(|| "nothing was measured".to_owned()),

@@ -17,6 +17,8 @@ pub enum Marks {
     Line,
     /// Joined by a dashed line.
     Dashes,
+    /// Joined by a line, each with a dot: a number of each of some runs.
+    Dots,
     /// Each as a ring: measurements.
     Rings,
 }
@@ -55,6 +57,8 @@ const RIGHT: i32 = 40;
 const LINE: i32 = 38;
 /// Part of the height that stays free above and below the curves.
 const MARGIN: f64 = 0.06;
+/// Radius (pixels) of dots.
+const DOT: i32 = 8;
 /// Length (pixels) of dashes, and between them.
 const DASH: (i32, i32) = (18, 12);
 
@@ -90,6 +94,11 @@ impl LineFigure {
             let pixels = part.iter().map(|point| axes.pixel(*point));
             draw_line(area, pixels, marks, style)?;
         }
+        if marks == Marks::Dots {
+            for point in curve.points.iter().filter(|point| axes.holds(**point)) {
+                area.draw(&Circle::new(axes.pixel(*point), DOT, colour(k).filled())).map_err(words)?;
+            }
+        }
         Ok(())
     }
 
@@ -123,7 +132,10 @@ impl LineFigure {
 
 impl Figure for LineFigure {
     fn size(&self) -> (u32, u32) {
-        (WIDTH + self.names().max(0) as u32, (TOP + HEIGHT + BOTTOM) as u32)
+        // Names of many curves need more height than the axes.
+        let lines = (self.curves.len() + self.notes.len() + 2) as i32 * LINE;
+        let height = if self.names() > 0 { (TOP + lines).max(TOP + HEIGHT + BOTTOM) } else { TOP + HEIGHT + BOTTOM };
+        (WIDTH + self.names().max(0) as u32, height as u32)
     }
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> DrawResult {

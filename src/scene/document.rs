@@ -36,10 +36,19 @@ pub struct Document {
     text: Arc<str>,
     root: Node,
     overrides: Vec<(String, String)>,
-    /// For each override the path of the outermost value that it brought.
-    brought: Vec<String>,
+    /// For each override what it brought.
+    brought: Vec<Brought>,
     /// The variant file that changed the scene, if it came from one.
     variant: Option<Arc<Self>>,
+}
+
+/// What an override brought into a scene.
+#[derive(Debug, Clone)]
+struct Brought {
+    /// Path of the outermost value.
+    path: String,
+    /// The file in which the override stands, and its place there; none for the command line.
+    by: Option<(Arc<Document>, Range<usize>)>,
 }
 
 /// A value `Name(…)` or `Name` whose name chooses what its body means.
@@ -71,7 +80,7 @@ impl Document {
     }
 
     /// Reads a text that is one value of any kind.
-    pub(super) fn parse_value(file: &str, text: &str) -> Result<Self, UserError> {
+    pub(crate) fn parse_value(file: &str, text: &str) -> Result<Self, UserError> {
         let text: Arc<str> = text.into();
         if let Some(span) = depth::too_deep(&text) {
             let message = format!("more than {} brackets stand in one another here", depth::MOST_LEVELS);
@@ -257,8 +266,8 @@ impl Document {
 
     fn complain(&self, complaint: Complaint) -> UserError {
         let Complaint { message, span, label, help } = complaint;
-        if let Some((variant, span)) = self.in_variant(&span) {
-            return variant.complain(Complaint { message, span, label, help });
+        if let Some((file, span)) = self.brought_from(&span) {
+            return file.complain(Complaint { message, span, label, help });
         }
         let origin = self.override_at(&span).and_then(|index| self.overrides.get(index));
         let mut error = UserError::plain(message).at(self.file.as_str(), Arc::clone(&self.text), span, label);

@@ -166,7 +166,7 @@ pub(crate) fn limit_memory(world: &World) -> Result<(), UserError> {
 }
 
 /// Memory (bytes) that the program can have, within the limits of its container.
-fn available_memory() -> f64 {
+pub(crate) fn available_memory() -> f64 {
     let system =
         System::new_with_specifics(RefreshKind::nothing().with_memory(MemoryRefreshKind::nothing().with_ram()));
     let in_container = system.cgroup_limits().map_or(u64::MAX, |limits| limits.free_memory);

@@ -26,12 +26,13 @@ pub use fluids::{FilledFluids, Filling, FluidSpec, FluidsSection, InitialPressur
 pub use header::{Header, Periodic, Resolution, SceneInfo};
 pub use hydrostatics::{Column, Layer};
 pub use invalid::Invalid;
-pub(crate) use limits::{bytes_of, limit_memory, limit_particles};
+pub(crate) use limits::{available_memory, bytes_of, limit_memory, limit_particles};
 pub(crate) use load::load_section;
 pub use load::{Deferred, SceneDocument, load_scene, read_header};
 pub(crate) use places::WALL_CLEARANCE;
 pub use section::{SceneFacts, SceneSection, SceneSettings, SectionError, SectionRegistry};
 pub use variant::open_document;
+pub(crate) use variant::{Setting, clean, read_text, settings};
 
 /// The complaint that nothing called `found` exists among the `known` names of `what`.
 #[must_use]

@@ -14,6 +14,7 @@
 
 use std::collections::BTreeMap;
 use std::fs;
+use std::ops::Range;
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
@@ -63,7 +64,6 @@ pub fn open_document(path: &Path, overrides: &[String]) -> Result<Document, User
 /// The scene that a variant describes.
 fn compose(variant: Document, path: &Path) -> Result<Document, UserError> {
     variant.require_known_fields("", &FIELDS)?;
-    check_sets(&variant)?;
     let of: String = variant.read("of")?;
     let base = clean(&path.parent().unwrap_or(Path::new("")).join(&of));
     let at_of = |message: &str| variant.error(span_of(&variant, "of"), message, "the scene that this is a variant of");
@@ -73,11 +73,8 @@ fn compose(variant: Document, path: &Path) -> Result<Document, UserError> {
     })?;
     let mut document = Document::parse(&base.display().to_string(), &text)?;
     let variant = Arc::new(variant);
-    for (path, value) in sets(&variant) {
-        document = document.set(&path, &value.text).map_err(|error| {
-            let placed = variant.error(value.span, error.message(), "this override");
-            error.help_line().into_iter().fold(placed, |placed, help| placed.help(help))
-        })?;
+    for Setting { path, text, span } in settings(&variant, "set")? {
+        document = document.set_from(&path, &text, (&variant, span))?;
     }
     if let Some(node) = variant.node(REPLACED) {
         let text = variant.text().get(node.span.clone()).unwrap_or_default();
@@ -86,38 +83,50 @@ fn compose(variant: Document, path: &Path) -> Result<Document, UserError> {
     Ok(document.with_variant(variant))
 }
 
-/// Refuses a `set` that is no table.
-fn check_sets(variant: &Document) -> Result<(), UserError> {
-    let Some(node) = variant.node("set") else { return Ok(()) };
-    if matches!(node.unwrapped().kind, Kind::Map { .. }) {
-        return Ok(());
-    }
-    let message = format!("expected a table `{{\"path\": value}}`, found {}", node.describe(variant.text()));
-    Err(variant.error(node.span.clone(), message, "expected a table"))
-}
-
-/// An override in a variant, and where it stands there.
-pub(super) struct SetValue {
+/// An override in a file: `path: value`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Setting {
+    /// Path of the value in the scene.
+    pub path: String,
+    /// The value, as `--set` would be given it.
     pub text: String,
-    pub span: std::ops::Range<usize>,
+    /// Where the value stands in the file.
+    pub span: Range<usize>,
 }
 
-/// The overrides of a variant: a text holds what `--set` would be given, anything else stands for itself.
-pub(super) fn sets(variant: &Document) -> Vec<(String, SetValue)> {
-    let entries = variant.node("set").map(Node::unwrapped).map_or(&[][..], Node::fields);
-    let value = |node: &Node| match &node.kind {
-        Kind::Scalar(Scalar::Text(text)) => text.clone(),
-        _ => variant.text().get(node.span.clone()).unwrap_or_default().to_owned(),
+impl Setting {
+    /// The override `path: node`: a text holds what `--set` would be given, anything else stands for itself.
+    pub fn new(document: &Document, path: &str, node: &Node) -> Self {
+        let text = match &node.kind {
+            Kind::Scalar(Scalar::Text(text)) => text.clone(),
+            _ => document.text().get(node.span.clone()).unwrap_or_default().to_owned(),
+        };
+        Self { path: path.to_owned(), text, span: node.span.clone() }
+    }
+}
+
+/// The overrides in the table at the path `table` of a file; none if there is no such table.
+///
+/// # Errors
+/// It is no table.
+pub(crate) fn settings(document: &Document, table: &str) -> Result<Vec<Setting>, UserError> {
+    let Some(node) = document.node(table) else { return Ok(Vec::new()) };
+    let Kind::Map { entries } = &node.unwrapped().kind else {
+        let message = format!("expected a table `{{\"path\": value}}`, found {}", node.describe(document.text()));
+        return Err(document.error(node.span.clone(), message, "expected a table"));
     };
-    let set = |node: &Node| SetValue { text: value(node), span: node.span.clone() };
-    entries.iter().map(|entry| (entry.key.clone(), set(&entry.value))).collect()
+    Ok(entries.iter().map(|entry| Setting::new(document, &entry.key, &entry.value)).collect())
 }
 
-fn span_of(document: &Document, path: &str) -> std::ops::Range<usize> {
+fn span_of(document: &Document, path: &str) -> Range<usize> {
     document.node(path).map_or(0..0, |node| node.span.clone())
 }
 
-fn read_text(path: &Path) -> Result<String, UserError> {
+/// The text of a file.
+///
+/// # Errors
+/// It cannot be read, with the file that was perhaps meant; or it is no text.
+pub(crate) fn read_text(path: &Path) -> Result<String, UserError> {
     let bytes = fs::read(path).map_err(|error| {
         let shown = UserError::plain(format!("cannot read {}: {error}", path.display()));
         match similar_file(path) {
@@ -154,7 +163,7 @@ fn similar_file(path: &Path) -> Option<PathBuf> {
 }
 
 /// `a/b/../c` as `a/c`, as far as the text goes.
-fn clean(path: &Path) -> PathBuf {
+pub(crate) fn clean(path: &Path) -> PathBuf {
     path.components().fold(PathBuf::new(), |mut clean, component| {
         let is_folder = matches!(clean.components().next_back(), Some(Component::Normal(_)));
         if component == Component::ParentDir && is_folder {

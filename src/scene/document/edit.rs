@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::names::{quoted, suggestion};
 use super::tree::{Kind, Node, Scalar};
-use super::{Document, UserError};
+use super::{Brought, Document, UserError};
 use crate::scene::variant;
 
 impl Document {
@@ -39,9 +39,26 @@ impl Document {
             None => self.insertion(path, &value)?,
         };
         let mut document = self.spliced(span, &new)?;
-        document.brought.push(self.outermost_new(path).to_owned());
+        document.brought.push(Brought { path: self.outermost_new(path).to_owned(), by: None });
         document.overrides.push((path.to_owned(), value));
         document.variant = self.variant.clone();
+        Ok(document)
+    }
+
+    /// The same for an override that stands at `span` of another file: complaints about it point there.
+    pub(crate) fn set_from(
+        &self,
+        path: &str,
+        value: &str,
+        (file, span): (&Arc<Self>, Range<usize>),
+    ) -> Result<Self, UserError> {
+        let mut document = self.set(path, value).map_err(|error| {
+            let placed = file.error(span.clone(), error.message(), "this override");
+            error.help_line().into_iter().fold(placed, |placed, help| placed.help(help))
+        })?;
+        if let Some(brought) = document.brought.last_mut() {
+            brought.by = Some((Arc::clone(file), span));
+        }
         Ok(document)
     }
 
@@ -72,7 +89,7 @@ impl Document {
     /// The override that brought the text at `span`: its index, the latest one first.
     pub(super) fn override_at(&self, span: &Range<usize>) -> Option<usize> {
         let holds = |entry: Range<usize>| entry.start <= span.start && span.end <= entry.end;
-        self.brought.iter().rposition(|path| self.entry_span(path).is_some_and(holds))
+        self.brought.iter().rposition(|brought| self.entry_span(&brought.path).is_some_and(holds))
     }
 
     /// The document, which `variant` changed: complaints about its changes point there.
@@ -80,20 +97,23 @@ impl Document {
         Self { variant: Some(variant), ..self }
     }
 
-    /// Where the text at `span` stands in the variant that brought it, if one did.
-    pub(super) fn in_variant(&self, span: &Range<usize>) -> Option<(&Self, Range<usize>)> {
-        let variant = self.variant.as_deref()?;
-        let contains = |outer: &Range<usize>| outer.start <= span.start && span.end <= outer.end;
-        if let (Some(here), Some(there)) = (self.node(variant::REPLACED), variant.node(variant::REPLACED)) {
-            let is_unchanged = self.text.get(here.span.clone()) == variant.text.get(there.span.clone());
-            if is_unchanged && contains(&here.span) {
-                let shifted = |byte: usize| byte - here.span.start + there.span.start;
-                return Some((variant, shifted(span.start)..shifted(span.end)));
-            }
+    /// Where the text at `span` stands in the file that brought it, if it is not of the scene itself nor of the command line.
+    pub(super) fn brought_from(&self, span: &Range<usize>) -> Option<(&Self, Range<usize>)> {
+        if let Some(replaced) = self.in_replaced(span) {
+            return Some(replaced);
         }
-        // The variant's overrides come before those of the command line.
-        let index = self.override_at(span)?;
-        variant::sets(variant).into_iter().nth(index).map(|(_, set)| (variant, set.span))
+        let (file, span) = self.brought.get(self.override_at(span)?)?.by.as_ref()?;
+        Some((file, span.clone()))
+    }
+
+    /// Where the text at `span` stands in the section that the variant replaced, if it is of that.
+    fn in_replaced(&self, span: &Range<usize>) -> Option<(&Self, Range<usize>)> {
+        let variant = self.variant.as_deref()?;
+        let (here, there) = (self.node(variant::REPLACED)?, variant.node(variant::REPLACED)?);
+        let is_unchanged = self.text.get(here.span.clone()) == variant.text.get(there.span.clone());
+        let contains = here.span.start <= span.start && span.end <= here.span.end;
+        let shifted = |byte: usize| byte - here.span.start + there.span.start;
+        (is_unchanged && contains).then(|| (variant, shifted(span.start)..shifted(span.end)))
     }
 
     /// Adds the quotes a text needs if the value it replaces is a text.

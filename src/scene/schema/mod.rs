@@ -21,6 +21,7 @@
 
 mod page;
 mod ranges;
+mod units;
 mod words;
 
 use std::borrow::Cow;
@@ -40,6 +41,7 @@ use crate::rheology::RheologyRegistry;
 
 pub use page::reference_page;
 pub(crate) use ranges::check_ranges;
+pub use units::unit_at;
 
 /// Makes the schema of a type.
 pub(crate) type Describe = fn(&mut SchemaGenerator) -> Schema;

@@ -21,7 +21,7 @@ const SECONDS_PER_PAIR: f64 = 8e-9;
 const BYTES_PER_FRAME: f64 = 38.0;
 
 /// What a run will take; times in s, memory in bytes.
-pub(super) struct Estimate {
+pub(crate) struct Estimate {
     /// The limits of Eq. 19 with the greatest viscosity that the rheologies can give.
     pub limits: [(f64, Limit); 3],
     pub steps: f64,

@@ -1,0 +1,51 @@
+//! The arguments of `storegga study`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::args::wall_seconds;
+
+/// Arguments of `storegga study`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  storegga study studies/slide_sensitivity.ron --dry-run
+  storegga study studies/slide_sensitivity.ron
+  storegga study studies/slide_sensitivity.ron --jobs 4 --threads 2 --out /data/slide
+
+A study names a scene, the values that its fields take (every combination, or a list), the numbers that are taken of each run, and
+figures. Every run is checked before the first one starts. In the folder are then a log for each run, table.csv for programs,
+table.md for people, and the figures.
+
+A study that was stopped, in whatever way, goes on when it is started again: what is done is not run again, and what was
+interrupted goes on from its last checkpoint. A run is done if its log is whole and of the same scene, values, end and version.
+
+Exit codes: 0 every run is done, 3 a run diverged, 1 a run failed, 2 a mistake in the study or a scene or output that cannot be written,
+130 interrupted. The table has every run, however it ended.
+docs/studies.md tells the whole story.")]
+pub(super) struct StudyArgs {
+    /// Study file.
+    pub study: PathBuf,
+    /// Folder for logs, table and figures; by default runs/<study>. It is made if it does not exist.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Runs at once; by default as many as processors and free memory allow.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub jobs: Option<u16>,
+    /// Threads of each run; by default the processors are shared among the runs that go on at once. The results do not depend on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// List the runs, with their particles and what they will need, and what is left of earlier starts; run nothing.
+    #[arg(long)]
+    pub dry_run: bool,
+    /// Run everything again, also what is done.
+    #[arg(long)]
+    pub again: bool,
+    /// Seconds of real time between the checkpoints of a run.
+    #[arg(long, value_name = "SECONDS", default_value_t = 300.0, value_parser = wall_seconds)]
+    pub checkpoint_every_wall: f64,
+    /// No progress and no table; errors still go to standard error.
+    #[arg(long, short)]
+    pub quiet: bool,
+}

@@ -1,0 +1,103 @@
+//! The figures of a study.
+
+use std::path::Path;
+
+use super::document::FigureSpec;
+use super::names::safe;
+use super::{Drawn, Plan, PlannedRun, Row};
+use crate::error::UserError;
+use crate::figures::{Curve, LineFigure, Marks, labelled, save};
+use crate::number::short;
+
+/// Formats of figures, by the endings of their files.
+const FORMATS: [&str; 2] = ["png", "svg"];
+
+/// Draws the figures of a study into `folder`, as PNG and SVG, as far as its runs are done. Returns the names of the PNG files.
+///
+/// # Errors
+/// A file cannot be written.
+pub fn write_figures(plan: &Plan, rows: &[Row], folder: &Path) -> Result<Vec<String>, UserError> {
+    let mut names: Vec<String> = Vec::new();
+    for (k, spec) in plan.study.figures.iter().enumerate() {
+        let (name, figure) = match (spec, &plan.drawn[k]) {
+            (FigureSpec::Measure { of, over, by }, _) => {
+                (format!("{of} over {}", label(plan, over)), measure(plan, rows, of, over, by.as_deref()))
+            }
+            (FigureSpec::Series { of }, Drawn::Series(source)) => {
+                (of.clone(), curves(plan, rows, k, axes_of(of, &source.unit)))
+            }
+            (FigureSpec::Surface { of, at }, _) => {
+                let axes = ["x (m)".to_owned(), format!("surface of {of} at {} s (m)", short(*at))];
+                (format!("surface of {of}"), curves(plan, rows, k, axes))
+            }
+            (FigureSpec::Series { .. }, _) => continue,
+        };
+        if figure.curves.iter().all(|curve| curve.points.is_empty()) {
+            continue;
+        }
+        let name = format!("figure_{}_{}", k + 1, safe(&name.replace(' ', "_")));
+        for format in FORMATS {
+            let path = folder.join(&name).with_added_extension(format);
+            save(&figure, &path)
+                .map_err(|what| UserError::plain(format!("cannot write {}: {what}", path.display())))?;
+        }
+        names.push(format!("{name}.{}", FORMATS[0]));
+    }
+    Ok(names)
+}
+
+/// A measure over a varied value.
+fn measure(plan: &Plan, rows: &[Row], of: &str, over: &str, by: Option<&[String]>) -> LineFigure {
+    let place = |path: &str| plan.varied.iter().position(|varied| varied.path == path);
+    let (Some(over), Some(m)) = (place(over), plan.study.measures.iter().position(|measure| measure.name == of)) else {
+        return LineFigure::default();
+    };
+    let others = (0..plan.varied.len()).filter(|k| *k != over && plan.study.is_grid);
+    let by: Vec<usize> = by.map_or(others.collect(), |by| by.iter().filter_map(|path| place(path)).collect());
+    let mut curves: Vec<Curve> = Vec::new();
+    for (run, row) in plan.runs.iter().zip(rows) {
+        let (Some(x), Some(y)) = (run.number(over), row.measure(m)) else { continue };
+        let name = name(plan, run, &by);
+        match curves.iter_mut().find(|curve| curve.name == name) {
+            Some(curve) => curve.points.push([x, y]),
+            None => curves.push(Curve { name, points: vec![[x, y]], marks: Marks::Dots }),
+        }
+    }
+    curves.iter_mut().for_each(|curve| curve.points.sort_by(|a, b| a[0].total_cmp(&b[0])));
+    let varied = &plan.varied[over];
+    let axes = [labelled(&varied.label, &varied.unit), labelled(of, &plan.measures[m].unit)];
+    LineFigure { title: plan.study.title.clone(), axes, curves, ..LineFigure::default() }
+}
+
+/// The short name of a varied value.
+fn label<'a>(plan: &'a Plan, path: &str) -> &'a str {
+    plan.varied.iter().find(|varied| varied.path == path).map_or("", |varied| &varied.label)
+}
+
+/// Figure `k` with a curve a run.
+fn curves(plan: &Plan, rows: &[Row], k: usize, axes: [String; 2]) -> LineFigure {
+    let all: Vec<usize> = (0..plan.varied.len()).collect();
+    let curve = |(run, row): (&PlannedRun, &Row)| match row {
+        Row::Done(_, _, curves) => {
+            Some(Curve { name: name(plan, run, &all), points: curves.get(k)?.clone(), ..Curve::default() })
+        }
+        _ => None,
+    };
+    let curves = plan.runs.iter().zip(rows).filter_map(curve).collect();
+    LineFigure { title: plan.study.title.clone(), axes, curves, ..LineFigure::default() }
+}
+
+/// The axes of a number over time.
+fn axes_of(of: &str, unit: &str) -> [String; 2] {
+    let name = of.rsplit_once('.').map_or(of.to_owned(), |(series, field)| format!("{series}: {field}"));
+    ["time (s)".to_owned(), labelled(&name, unit)]
+}
+
+/// What tells a curve from others: the varied values `by` of its runs.
+fn name(plan: &Plan, run: &PlannedRun, by: &[usize]) -> String {
+    let part = |k: &usize| {
+        let (varied, value) = (&plan.varied[*k], run.number(*k).map_or(run.values[*k].clone(), short));
+        format!("{} = {value} {}", varied.label.replace('_', " "), varied.unit).trim_end().to_owned()
+    };
+    by.iter().map(part).collect::<Vec<_>>().join(", ")
+}

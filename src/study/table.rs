@@ -1,0 +1,249 @@
+//! The table of a study: what was varied, how each run ended, what was measured.
+
+use std::fmt::Write;
+use std::io;
+use std::path::Path;
+
+use super::{Drawn, Finished, Plan, Source};
+use crate::error::UserError;
+use crate::figures::labelled;
+use crate::log::LogError;
+use crate::number::{count, duration, plain, short};
+use crate::replace::replace;
+use crate::results::{PARTICLES, Results, upper_surface};
+
+/// What came of a run.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Row {
+    /// It was not run yet.
+    Waiting,
+    /// It was interrupted, and can go on.
+    Interrupted,
+    /// It failed; why.
+    Failed(String),
+    /// It left the range of the model.
+    Diverged(Finished),
+    /// It is done: its measures, or why there is none, and the points of the curves of each figure.
+    Done(Finished, Vec<Result<f64, String>>, Vec<Vec<[f64; 2]>>),
+}
+
+impl Row {
+    /// The row of a run that has ended, from its log.
+    ///
+    /// # Errors
+    /// The log cannot be read.
+    pub fn of(plan: &Plan, finished: Finished, log: &Path) -> Result<Self, UserError> {
+        if finished.has_diverged {
+            return Ok(Self::Diverged(finished));
+        }
+        let unreadable = |error: LogError| UserError::plain(error.to_string());
+        let results = Results::open(log).map_err(unreadable)?;
+        let measures = plan.study.measures.iter().zip(&plan.measures).map(|(measure, source)| {
+            let samples = samples(&results, source);
+            match measure.take.of(&samples) {
+                Ok(value) if value.is_nan() => Err("what was measured is not a number".to_owned()),
+                taken => taken,
+            }
+        });
+        let curves = plan.drawn.iter().map(|drawn| curve(&results, drawn)).collect::<Result<_, _>>();
+        Ok(Self::Done(finished, measures.collect(), curves.map_err(unreadable)?))
+    }
+
+    /// How it ended, in a word.
+    #[must_use]
+    pub const fn word(&self) -> &'static str {
+        match self {
+            Self::Waiting => "not run",
+            Self::Interrupted => "interrupted",
+            Self::Failed(_) => "failed",
+            Self::Diverged(_) => "diverged",
+            Self::Done(..) => "done",
+        }
+    }
+
+    /// What is left of it, if it has ended.
+    #[must_use]
+    pub const fn finished(&self) -> Option<&Finished> {
+        match self {
+            Self::Diverged(finished) | Self::Done(finished, ..) => Some(finished),
+            _ => None,
+        }
+    }
+
+    /// Duration (s), if it is known.
+    #[must_use]
+    pub fn wall(&self) -> Option<f64> {
+        self.finished().and_then(|finished| finished.record.as_ref()?.wall_s)
+    }
+
+    /// The value of measure `k`.
+    #[must_use]
+    pub fn measure(&self, k: usize) -> Option<f64> {
+        let Self::Done(_, measures, _) = self else { return None };
+        measures.get(k).and_then(|value| value.as_ref().ok().copied())
+    }
+
+    /// What is to be said besides.
+    fn note(&self, plan: &Plan) -> String {
+        match self {
+            Self::Failed(why) => why.clone(),
+            Self::Diverged(finished) => {
+                finished.record.as_ref().map(|record| record.reason.clone()).unwrap_or_default()
+            }
+            Self::Done(_, measures, _) => {
+                let reasons =
+                    plan.study.measures.iter().zip(measures).filter_map(|(measure, value)| {
+                        value.as_ref().err().map(|why| format!("{}: {why}", measure.name))
+                    });
+                reasons.collect::<Vec<_>>().join("; ")
+            }
+            Self::Waiting | Self::Interrupted => String::new(),
+        }
+    }
+}
+
+/// Times (s) and values of a number of a log.
+fn samples(results: &Results, source: &Source) -> Vec<(f64, f64)> {
+    let series = results.series.iter().find(|series| series.topic == source.topic);
+    let found = series.and_then(|series| Some((series, series.field(&source.field)?)));
+    found.map_or_else(Vec::new, |(series, field)| {
+        series.times.iter().copied().zip(field.values.iter().copied()).collect()
+    })
+}
+
+/// The points that a figure shows of a run.
+fn curve(results: &Results, drawn: &Drawn) -> Result<Vec<[f64; 2]>, LogError> {
+    match drawn {
+        Drawn::Measures => Ok(Vec::new()),
+        Drawn::Series(source) => Ok(samples(results, source).into_iter().map(|(time, value)| [time, value]).collect()),
+        Drawn::Surface(phase, at) => {
+            let Some(number) = results.nearest_frame(PARTICLES, *at) else { return Ok(Vec::new()) };
+            let (frame, facts) = (results.frame(PARTICLES, number)?, &results.facts);
+            let surface = |frame| upper_surface(&frame, *phase, facts.dimension, facts.spacing);
+            Ok(frame.map_or_else(Vec::new, surface))
+        }
+    }
+}
+
+/// The rows of a study, in the order of its plan.
+#[derive(Debug, Clone)]
+pub struct Table<'a> {
+    /// The plan.
+    pub plan: &'a Plan,
+    /// A row a run.
+    pub rows: &'a [Row],
+}
+
+impl Table<'_> {
+    /// Writes the table to `path` as CSV, for programs: numbers with all their digits, units in the line of names.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn write_csv(&self, path: &Path) -> Result<(), UserError> {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        let written = std::iter::once(self.names()).chain(self.cells()).try_for_each(|row| writer.write_record(row));
+        let bytes = written
+            .map_err(io::Error::from)
+            .and_then(|()| writer.into_inner().map_err(|error| io::Error::other(error.to_string())));
+        bytes.and_then(|bytes| replace(path, &bytes)).map_err(|error| unwritable(path, &error))
+    }
+
+    fn names(&self) -> Vec<String> {
+        let with_unit =
+            |name: &str, unit: &str| if unit.is_empty() { name.to_owned() } else { format!("{name} [{unit}]") };
+        let varied = self.plan.varied.iter().map(|varied| with_unit(&varied.path, &varied.unit));
+        let measures = self.plan.study.measures.iter().zip(&self.plan.measures);
+        let measures = measures.map(|(measure, source)| with_unit(&measure.name, &source.unit));
+        let fixed = ["fluid particles", "end", "time [s]", "steps", "wall time [s]"].map(str::to_owned);
+        let names = std::iter::once("run".to_owned()).chain(varied).chain(fixed).chain(measures);
+        names.chain(["note".to_owned()]).collect()
+    }
+
+    fn cells(&self) -> impl Iterator<Item = Vec<String>> {
+        self.plan.runs.iter().zip(self.rows).map(|(run, row)| {
+            let number = |value: Option<f64>| value.map_or_else(String::new, plain);
+            let finished = row.finished();
+            let fixed = [
+                run.particles.fluid.to_string(),
+                row.word().to_owned(),
+                number(finished.map(|finished| finished.time)),
+                finished.map_or_else(String::new, |finished| finished.steps.to_string()),
+                number(row.wall()),
+            ];
+            let measures = (0..self.plan.measures.len()).map(|k| number(row.measure(k)));
+            let cells = std::iter::once(run.name.clone()).chain(run.values.iter().cloned()).chain(fixed);
+            cells.chain(measures).chain([row.note(self.plan)]).collect()
+        })
+    }
+
+    /// The table for people: a line of names, then a line a run; numbers have four digits.
+    #[must_use]
+    pub fn lines(&self) -> Vec<Vec<String>> {
+        let varied = self.plan.varied.iter().map(|varied| labelled(&varied.label, &varied.unit));
+        let measures = self.plan.study.measures.iter().zip(&self.plan.measures);
+        let measures = measures.map(|(measure, source)| labelled(&measure.name, &source.unit));
+        let names =
+            varied.chain(["fluid particles", "end", "steps", "took"].map(str::to_owned)).chain(measures).collect();
+        let row = |(run, row): (&super::PlannedRun, &Row)| {
+            let values = run.values.iter().enumerate().map(|(k, value)| run.number(k).map_or(value.clone(), short));
+            let end = match row {
+                Row::Diverged(finished) => format!("diverged at {} s", short(finished.time)),
+                other => other.word().to_owned(),
+            };
+            let fixed = [
+                count(run.particles.fluid as u64),
+                end,
+                row.finished().map_or_else(String::new, |finished| count(finished.steps)),
+                row.wall().map_or_else(String::new, duration),
+            ];
+            let measures = (0..self.plan.measures.len()).map(|k| row.measure(k).map_or_else(String::new, short));
+            values
+                .chain(fixed)
+                .chain(measures)
+                .map(|cell| if cell.is_empty() { "–".to_owned() } else { cell })
+                .collect()
+        };
+        std::iter::once(names).chain(self.plan.runs.iter().zip(self.rows).map(row)).collect()
+    }
+
+    /// Writes the table to `path` as Markdown, with `figures`, files in the same folder, below it.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn write_markdown(&self, path: &Path, figures: &[String]) -> Result<(), UserError> {
+        replace(path, self.markdown(figures).as_bytes()).map_err(|error| unwritable(path, &error))
+    }
+
+    fn markdown(&self, figures: &[String]) -> String {
+        let study = &self.plan.study;
+        let title = if study.title.is_empty() { "A study" } else { &study.title };
+        let mut text = format!("# {title}\n\nScene: `{}`", study.scene.display());
+        if let Some(until) = study.until {
+            let _ = write!(text, ", to t = {until} s");
+        }
+        let _ = writeln!(text, ". Made by storegga {}.\n", env!("CARGO_PKG_VERSION"));
+        for (k, line) in self.lines().iter().enumerate() {
+            let cells: Vec<String> = line.iter().map(|cell| cell.replace('|', "\\|")).collect();
+            let _ = writeln!(text, "| {} |", cells.join(" | "));
+            if k == 0 {
+                let _ = writeln!(text, "|{}", "---|".repeat(line.len()));
+            }
+        }
+        let notes = self.plan.runs.iter().zip(self.rows).map(|(run, row)| (&run.name, row.note(self.plan)));
+        let notes: Vec<_> = notes.filter(|(_, note)| !note.is_empty()).collect();
+        if !notes.is_empty() {
+            text += "\n";
+        }
+        for (name, note) in notes {
+            let _ = writeln!(text, "- `{name}`: {note}");
+        }
+        for figure in figures {
+            let _ = write!(text, "\n![{figure}]({figure})\n");
+        }
+        text
+    }
+}
+
+fn unwritable(path: &Path, error: &io::Error) -> UserError {
+    UserError::plain(format!("cannot write {}: {error}", path.display()))
+}
