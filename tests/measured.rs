@@ -2,7 +2,7 @@
 //! environment variable `STOREGGA_DATA` names. Without it nothing is compared, and the test says so (`-- --nocapture` shows it).
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A time (s) that stands in a scene: that of the first row of a file whose second column reaches a value.
 struct Time {
@@ -31,10 +31,46 @@ const TIMES: [Time; 8] = [
     Time { scene: "dam_break_2d", seconds: "0.4360", file: "dambreak_buchner_2002_pressure.csv", reaches: 0.15, unit: IMPACT },
 ];
 
+/// A table of measured figures that scenes compare with, in `scenes/measured`, and the file that it was taken from.
+struct Table {
+    table: &'static str,
+    file: &'static str,
+    /// Time (s) in the scene at which the file's clock shows 0.
+    start: f64,
+    /// Unit (s) of the file's times.
+    time_unit: f64,
+    /// Columns of the file, in the order of the table, and the unit (that of the table) in which each is given.
+    columns: &'static [(usize, f64)],
+}
+
+/// √(H/g) and ρgH of a column 0.55 m high.
+const BOX_TIME: f64 = 0.236_780;
+const BOX_PRESSURE: f64 = 5395.5;
+
+#[rustfmt::skip]
+const TABLES: [Table; 3] = [
+    Table { table: "zhou_teng_2010_a", file: "zhou_teng_2010_Case_A_W.csv", start: 0.364, time_unit: 1.0, columns: &[(1, 1e-3), (2, 1e-3)] },
+    Table { table: "kleefsman_2005_p1", file: "dambreak3d_kleefsman_2005_p1.csv", start: 0.0, time_unit: BOX_TIME, columns: &[(1, BOX_PRESSURE)] },
+    Table { table: "kleefsman_2005_p3", file: "dambreak3d_kleefsman_2005_p3.csv", start: 0.0, time_unit: BOX_TIME, columns: &[(1, BOX_PRESSURE)] },
+];
+
+/// A file of the folder with the shipped scenes.
+fn shipped(file: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes").join(file)
+}
+
 /// The shipped scene, as text.
 fn scene(name: &str) -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../scenes/{name}.ron"));
-    fs::read_to_string(path).expect("a shipped scene")
+    fs::read_to_string(shipped(&format!("{name}.ron"))).expect("a shipped scene")
+}
+
+/// The folder with measured data, or `None` after saying that there is none.
+fn data() -> Option<PathBuf> {
+    let folder = std::env::var_os("STOREGGA_DATA");
+    if folder.is_none() {
+        println!("skipped: STOREGGA_DATA names no folder with measured data");
+    }
+    folder.map(PathBuf::from)
 }
 
 /// Rows of a file of measured data, without its comments and its head.
@@ -42,6 +78,12 @@ fn rows(folder: &Path, file: &str) -> Vec<Vec<String>> {
     let text = fs::read_to_string(folder.join(file)).unwrap_or_else(|error| panic!("{file}: {error}"));
     let lines = text.lines().filter(|line| !line.starts_with('#')).skip(1);
     lines.map(|line| line.split(',').map(str::to_owned).collect()).collect()
+}
+
+/// The same, as numbers.
+fn numbers(folder: &Path, file: &str) -> Vec<Vec<f64>> {
+    let number = |text: &String| text.parse().unwrap_or_else(|_| panic!("{file}: {text}"));
+    rows(folder, file).iter().map(|row| row.iter().map(number).collect()).collect()
 }
 
 /// The first time at which a series reaches a value, on the straight line between two rows.
@@ -53,14 +95,9 @@ fn first_time(series: &[(f64, f64)], value: f64) -> Option<f64> {
 
 #[test]
 fn figures_in_scenes_are_those_that_were_measured() {
-    let Some(folder) = std::env::var_os("STOREGGA_DATA") else {
-        println!("skipped: STOREGGA_DATA names no folder with measured data");
-        return;
-    };
-    let folder = Path::new(&folder);
+    let Some(folder) = data() else { return };
     for Time { scene: name, seconds, file, reaches, unit } in TIMES {
-        let number = |text: &String| text.parse::<f64>().unwrap_or_else(|_| panic!("{file}: {text}"));
-        let series = rows(folder, file).into_iter().map(|row| (number(&row[0]), number(&row[1])));
+        let series = numbers(&folder, file).into_iter().map(|row| (row[0], row[1]));
         // Buchner's sensor drifts before anything has reached it.
         let series: Vec<_> = series.skip_while(|(t, _)| unit == IMPACT && *t < 2.0).collect();
         let measured = unit * first_time(&series, reaches).unwrap_or_else(|| panic!("{file} never reaches {reaches}"));
@@ -68,9 +105,29 @@ fn figures_in_scenes_are_those_that_were_measured() {
         assert!((quoted / measured - 1.0).abs() < 0.003, "{name}: {quoted} s, {file}: {measured} s");
         assert!(scene(name).contains(&format!("Number({seconds})")), "{name} compares with {seconds} s");
     }
-    let coefficients = rows(folder, "cylinder_schafer_turek_2d1_2d2.csv");
+    let coefficients = rows(&folder, "cylinder_schafer_turek_2d1_2d2.csv");
     for name in ["cD", "cL"] {
         let row = coefficients.iter().find(|row| row[0] == "2D-1" && row[2] == name).expect("the coefficient");
         assert!(scene("cylinder_drag").contains(&format!("Number({})", row[3])), "{row:?}");
+    }
+}
+
+#[test]
+fn tables_of_scenes_are_rows_that_were_measured() {
+    let Some(folder) = data() else { return };
+    for Table { table, file, start, time_unit, columns } in TABLES {
+        let measured = numbers(&folder, file);
+        let rows = numbers(&shipped("measured"), &format!("{table}.csv"));
+        assert!(!rows.is_empty(), "{table} has rows");
+        for row in rows {
+            // Times are rounded to a tenth of a millisecond, values to four digits.
+            let source = measured.iter().find(|source| (start + time_unit * source[0] - row[0]).abs() < 1e-4);
+            let source = source.unwrap_or_else(|| panic!("{file} has nothing at {} s", row[0]));
+            assert_eq!(row.len(), 1 + columns.len(), "{table}");
+            for (value, (column, unit)) in row[1..].iter().zip(columns) {
+                let known = source[*column] * unit;
+                assert!((value - known).abs() <= 1e-4 * known.abs() + 1e-12, "{table}: {value}, {file}: {known}");
+            }
+        }
     }
 }
