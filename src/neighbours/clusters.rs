@@ -60,7 +60,7 @@ impl<'a> Near<'a> {
 pub enum NearRows<'a> {
     /// As they are.
     Whole(&'a [u32]),
-    /// What they are beyond a base: of so many, and of others up to a whole number of [`TOGETHER`].
+    /// What they are beyond a base: of so many, and of others up to a whole number of eight.
     Beyond(u32, usize, &'a [[u16; TOGETHER]]),
 }
 
