@@ -165,6 +165,8 @@ fn draw_line<DB: DrawingBackend>(
     if marks == Marks::Dashes {
         area.draw(&DashedPathElement::new(pixels, DASH.0, DASH.1, style)).map_err(words)
     } else {
-        area.draw(&PathElement::new(pixels.collect::<Vec<_>>(), style)).map_err(words)
+        // Piece by piece: where a thick line turns back, its joint would be a spike far beyond the axes.
+        let pixels: Vec<_> = pixels.collect();
+        pixels.windows(2).try_for_each(|piece| area.draw(&PathElement::new(piece.to_vec(), style)).map_err(words))
     }
 }
