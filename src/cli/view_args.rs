@@ -106,7 +106,7 @@ pub(super) struct PlotArgs {
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  storegga forces runs/pipe_impact.mcap --velocity 1 --width 0.1 --phase slide --steady 2,4
+  storegga forces runs/cylinder_drag.mcap --velocity 0.2 --width 0.1 --phase water --steady 2,3
   storegga forces runs/rotating_flume.mcap --arm 0.8 --velocity 0.38 --width 0.02 --phase sand --cutoff 5
 
 Forces are those of the log: of the fluid on the structure, in 2D per metre where the scene gives it no length.
