@@ -53,6 +53,8 @@ pub enum Stage {
     WallImpact,
     /// Pressure and viscous force between particles, Eqs. 6 and 12.
     Momentum,
+    /// What keeps particles under tension from clumping, added to these forces.
+    TensileControl,
     /// Gravity and whatever else acts on every particle by itself; damping of the settling phase.
     BodyForce,
     /// Force of the fluid on structures, Eqs. 17 and 18.
@@ -126,7 +128,7 @@ pub(crate) fn init(app: &mut App) {
         )
             .chain(),
         (S::Continuity, S::Diffusion, S::State, S::FreeSurface, S::GhostPressure, S::WallImpact).chain(),
-        (S::Momentum, S::BodyForce, S::Loads, S::Shifting, S::SecondKick, S::TimeStep).chain(),
+        (S::Momentum, S::TensileControl, S::BodyForce, S::Loads, S::Shifting, S::SecondKick, S::TimeStep).chain(),
     );
     let mut step = Schedule::new(Step);
     step.configure_sets(order.chain());

@@ -13,7 +13,7 @@ use crate::neighbours::PeriodicSides;
 use crate::particles::{
     Acceleration, Density, DensityRate, Fluid, Mass, Position, Pressure, ReferenceDensity, Velocity, columns,
 };
-use crate::physics::{EquationOfState, ForceSums, Gravity, ShiftedMass, Shifting};
+use crate::physics::{EquationOfState, ForceSums, Gravity, ShiftedMass, Shifting, TensileForces};
 
 /// Energies and works (J; J/m in 2D) and impulses (N s; N s/m) since the start.
 #[derive(Resource, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
@@ -116,7 +116,7 @@ pub(super) fn close_step(
     state: Res<EquationOfState>,
     gravity: Res<Gravity>,
     periodic: Res<PeriodicSides>,
-    (mut sheet, pair_forces): (ResMut<Worksheet>, Res<ForceSums>),
+    (mut sheet, pair_forces, tensile): (ResMut<Worksheet>, Res<ForceSums>, Res<TensileForces>),
     mut blocks: Local<Vec<StepSums>>,
     fluid: Query<FluidState, With<Fluid>>,
     mut ledger: ResMut<Ledger>,
@@ -134,7 +134,8 @@ pub(super) fn close_step(
         let diffused = dt * (rate[i].0 - before.continuity);
         let PairForces { viscous, impact, ghosts, volumes } = forces[i];
         let body = m * a - pair_forces.forces[i];
-        let of_kind = [viscous, impact, ghosts, volumes, body - m * g];
+        let tensile = tensile.0.get(i).copied().unwrap_or_default();
+        let of_kind = [viscous, impact, ghosts, volumes, tensile, body - tensile - m * g];
         StepSums {
             kinetic: 0.5 * m * v.length_squared(),
             compression: [compression, now],

@@ -5,7 +5,7 @@
 //! `E = K + U + C` with `K = ½ Σ m v²`, `U = −Σ m g·x` with the g of the scene (without its part along periodic axes, where
 //! there is no height) and `C = Σ m e(ρ)`, `e = ∫ p dρ/ρ²` from ρ0 on with the pressure p of Eq. 7. The books hold
 //!
-//! `E(t) − E(0) = W_walls + W_body + W_damping + W_viscous + W_impact + W_diffusion + W_resets + W_shifting + W_ghosts + W_volumes + R`
+//! `E(t) − E(0) = W_walls + W_body + W_damping + W_viscous + W_impact + W_tensile + W_diffusion + W_resets + W_shifting + W_ghosts + W_volumes + R`
 //!
 //! where each W (J; J/m in 2D) is work done *on* the fluid, found from its own forces, and R, the residual, is what is
 //! left: with all pair forces accounted for, the error of the integration in time, of second order in Δt where the flow is smooth.
@@ -17,11 +17,12 @@
 //!
 //! | entry | force or change |
 //! |---|---|
-//! | walls | `Σ F_ib·v_w`: all pair forces with ghosts of walls and structures, along the velocity of the body |
+//! | walls | `Σ F_ib·v_w`: all forces of Eqs. 6 and 12 with ghosts of walls and structures, along the velocity of the body |
 //! | body | `m a_i − (sum of pair forces) − m g`: whatever accelerates besides pair forces and the g of U: forces of plugins, gravity along periodic axes, what a ramp or shaking makes of gravity |
 //! | damping | K changed otherwise than by kicks: the damping of a settling phase, a relaxation zone |
 //! | viscous | viscous pair forces (Eq. 12), less what walls do by them: dissipation |
 //! | impact | impact pressure of walls, less what walls do by it: dissipation |
+//! | tensile | forces that the [control of tension](crate::physics::TensileControl) adds to Eq. 6 |
 //! | diffusion | `Σ m (p/ρ²) Δt D_i`, exact by the secant of e over the step |
 //! | resets | densities set anew: C changed otherwise than by `Δt dρ/dt`; within a step, less what the pressure force had put into it |
 //! | shifting | `−Σ m g·δr`: height that [shifting](crate::physics::Shifting) gains |

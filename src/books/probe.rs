@@ -19,7 +19,7 @@ pub struct Books {
 }
 
 /// Fields in J (J/m in 2D): energies of the moment, works on the fluid since the start, what is left.
-const ENERGY_FIELDS: [(&str, &str); 15] = [
+const ENERGY_FIELDS: [(&str, &str); 16] = [
     ("kinetic", "K"),
     ("potential", "U, in the gravity of the scene, without its part along periodic axes"),
     ("compression", "C, of the whole pressure of Eq. 7"),
@@ -28,6 +28,7 @@ const ENERGY_FIELDS: [(&str, &str); 15] = [
     ("damping", "kinetic energy changed otherwise than by forces"),
     ("viscous", "work of the viscous force, less that of walls: dissipated"),
     ("impact", "work of the impact pressure of walls, less that of walls: dissipated"),
+    ("tensile", "work of the control of tension"),
     ("diffusion", "compression changed by the diffusion of density"),
     ("resets", "densities set anew: compression changed otherwise than by their rate of change"),
     ("shifting", "height gained by particles that were shifted"),
@@ -89,6 +90,7 @@ impl Probe for Books {
             books.damping,
             of(Kind::Viscous),
             of(Kind::Impact),
+            of(Kind::Tensile),
             books.diffusion,
             books.resets,
             books.shifting,

@@ -13,15 +13,17 @@ use crate::particles::{Density, DensityRate, Fluid, Pressure, columns};
 pub(super) const BLOCK: usize = 512;
 
 /// Kinds of force whose work is counted apart.
-pub(super) const KINDS: usize = 5;
+pub(super) const KINDS: usize = 6;
 
-/// Work of the viscous force, of the impact pressure, of what ghosts and unequal volumes take up, of everything else.
+/// Work of the viscous force, of the impact pressure, of what ghosts and unequal volumes take up, of the
+/// control of tension, of everything else.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     Viscous,
     Impact,
     Ghosts,
     Volumes,
+    Tensile,
     Body,
 }
 

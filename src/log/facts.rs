@@ -11,9 +11,9 @@ use crate::particles::{Fluid, Solid, Wall};
 use crate::phases::phases;
 use crate::physics::{
     AT_SURFACE, CLEAR_FILLING, EquationOfState, GREATEST_COMPRESSION, LEAST_DETERMINANT, LEAST_FILLING, LEAST_RATIO,
-    LONGEST_SHIFT, fullness_in_front,
+    LONGEST_SHIFT, NEAR_SURFACE, fullness_in_front,
 };
-use crate::probes::{DEPTH, DRY, LEAST_SHARE, RIM};
+use crate::probes::{CLUMPED, DEPTH, DRY, FULL, LEAST_SHARE, RIM};
 use crate::scene::{Resolution, SceneInfo, WALL_CLEARANCE};
 
 /// A derived number.
@@ -101,6 +101,7 @@ pub fn fixed_numbers(world: &World) -> Vec<Fact> {
         ("free_surface.least_filling", "", LEAST_FILLING),
         ("free_surface.clear_filling", "", CLEAR_FILLING),
         ("shifting.at_surface", "", AT_SURFACE),
+        ("near_surface.least_share", "", NEAR_SURFACE),
         ("shifting.longest", "smoothing lengths", LONGEST_SHIFT),
         ("wall_impact.phi_0", "", phi_0),
         ("wall_impact.phi_1", "", phi_1),
@@ -109,6 +110,8 @@ pub fn fixed_numbers(world: &World) -> Vec<Fact> {
         ("probes.pressure_point.dry_beyond", "spacings", DRY),
         ("probes.density_error.depth", "spacings", DEPTH),
         ("probes.rigid_rotation_error.rim", "spacings", RIM),
+        ("probes.particle_disorder.clumped", "spacings", CLUMPED),
+        ("probes.particle_disorder.full", "", FULL),
         ("probes.phase_mixing.least_share", "", LEAST_SHARE),
     ];
     fixed.map(|(name, unit, value)| Fact { name: name.to_owned(), unit, value: value.to_string() }).into()

@@ -17,6 +17,7 @@ mod plugin;
 mod pressure_force;
 mod shifting;
 mod strain_rate;
+mod tensile_control;
 mod time_step;
 mod viscous_force;
 mod wall_impact;
@@ -38,6 +39,7 @@ pub use plugin::PhysicsPlugin;
 pub use pressure_force::{DensityWeighted, PressureAverage, PressureForm, VolumeWeighted};
 pub use shifting::{Filled, ShiftedMass, Shifting, Shifts, shift_particles};
 pub use strain_rate::{StrainSettings, strain_rate};
+pub use tensile_control::{TensileControl, TensileForces, tensile_control};
 pub use time_step::{TimeStepSettings, next_time_step};
 pub use viscous_force::{CentralForm, LaplacianForm, ViscousForce, ViscousForm};
 pub use wall_impact::{ImpactPressure, WallImpact, wall_impact};
@@ -48,6 +50,6 @@ pub(crate) use free_surface::{CLEAR_FILLING, LEAST_FILLING};
 pub(crate) use momentum::{
     FluidColumns, FluidState, Forces, GhostColumns, GhostState, impact_force, mean_viscosity, pair_forces, with_forms,
 };
-pub(crate) use shifting::{AT_SURFACE, LONGEST_SHIFT};
+pub(crate) use shifting::{AT_SURFACE, LONGEST_SHIFT, NEAR_SURFACE};
 pub(crate) use strain_rate::LEAST_DETERMINANT;
 pub(crate) use wall_impact::fullness_in_front;

@@ -80,7 +80,7 @@ pub(crate) fn mean_viscosity<R: Real>(mu_i: R, mu_j: R) -> R {
 
 /// Adds the pressure force on particle i from particle j.
 #[inline(always)]
-fn add_pressure<const D: usize, R: Real, P: PressureAverage>(
+pub(super) fn add_pressure<const D: usize, R: Real, P: PressureAverage>(
     force: &mut Vector<D, R>,
     i: &Momentum<D, R>,
     j: &Momentum<D, R>,

@@ -11,9 +11,9 @@ use super::integration::kick;
 use super::{
     CompressionGradients, DensityDiffusion, Divergence, Filled, ForceSums, FreeSurface, Gravity, ImpactPressure,
     MidwaySums, MomentumSettings, Settling, ShiftedMass, Shifting, Shifts, StateSettings, StrainSettings,
-    TimeStepSettings, WallImpact, compression_gradient, density_diffusion, density_rate, drift, free_surface,
-    ghost_pressure, ghost_velocity, midway_sums, momentum, next_time_step, pair_kernel, shift_particles, strain_rate,
-    wall_impact,
+    TensileControl, TensileForces, TimeStepSettings, WallImpact, compression_gradient, density_diffusion, density_rate,
+    drift, free_surface, ghost_pressure, ghost_velocity, midway_sums, momentum, next_time_step, pair_kernel,
+    shift_particles, strain_rate, tensile_control, wall_impact,
 };
 use crate::app::StoreggaApp;
 use crate::schedule::Stage;
@@ -34,6 +34,7 @@ impl Plugin for PhysicsPlugin {
             .register_scene_section::<StrainSettings>()
             .register_scene_section::<FreeSurface>()
             .register_scene_section::<MomentumSettings>()
+            .register_scene_section::<TensileControl>()
             .register_scene_section::<WallImpact>()
             .register_scene_section::<Shifting>()
             .register_scene_section::<Settling>()
@@ -42,6 +43,7 @@ impl Plugin for PhysicsPlugin {
         app.register_particle_column::<ImpactPressure>();
         app.register_particle_column_for::<Filled, Shifts>();
         app.init_resource::<ShiftedMass>().register_rebuilt::<ShiftedMass>();
+        app.init_resource::<TensileForces>().register_rebuilt::<TensileForces>();
 
         let time_step = || (next_time_step, explain_divergence.run_if(|out: Res<OutOfRange>| out.0)).chain();
 
@@ -63,6 +65,7 @@ impl Plugin for PhysicsPlugin {
             .set_stage(Stage::GhostPressure, ghost_pressure, ghost_pressure)
             .set_stage(Stage::WallImpact, wall_impact, wall_impact)
             .set_stage(Stage::Momentum, momentum::<2>, momentum::<3>)
+            .set_stage(Stage::TensileControl, tensile_control::<2>, tensile_control::<3>)
             .set_stage(Stage::BodyForce, apply_body_force, apply_body_force)
             .set_stage(Stage::Shifting, shift_particles::<2>, shift_particles::<3>)
             .set_stage(Stage::SecondKick, kick, kick)

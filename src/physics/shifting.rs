@@ -85,7 +85,7 @@ pub struct ShiftedMass(pub DVec3);
 pub(crate) const AT_SURFACE: f64 = 0.75;
 
 /// So much of φ from particles at the surface makes a particle near it.
-const NEAR_SURFACE: f64 = 0.01;
+pub(crate) const NEAR_SURFACE: f64 = 0.01;
 
 /// Longest shift, in smoothing lengths (Lind et al. 2012).
 pub(crate) const LONGEST_SHIFT: f64 = 0.2;

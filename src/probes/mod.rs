@@ -15,6 +15,7 @@ mod front;
 mod interface;
 mod layer_mode;
 mod parameters;
+mod particle_disorder;
 mod phase_mixing;
 mod pressure_error;
 mod pressure_point;
@@ -30,6 +31,7 @@ mod surface_height;
 pub(crate) mod test_support;
 
 pub(crate) use density_error::DEPTH;
+pub(crate) use particle_disorder::{CLUMPED, FULL};
 pub(crate) use phase_mixing::LEAST_SHARE;
 pub(crate) use pressure_point::DRY;
 pub(crate) use rigid_rotation::RIM;
@@ -45,6 +47,7 @@ pub use front::Front;
 pub use interface::Interface;
 pub use layer_mode::LayerMode;
 pub use parameters::box_inside;
+pub use particle_disorder::ParticleDisorder;
 pub use phase_mixing::PhaseMixing;
 pub use pressure_error::HydrostaticError;
 pub use pressure_point::PressurePoint;
@@ -82,6 +85,7 @@ impl Plugin for ProbesPlugin {
             .register_probe::<RigidRotationError>("RigidRotationError")
             .register_probe::<LayerMode>("LayerMode")
             .register_probe::<PhaseMixing>("PhaseMixing")
+            .register_probe::<ParticleDisorder>("ParticleDisorder")
             .register_scene_section::<ProbesSection>();
     }
 }

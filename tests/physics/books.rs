@@ -11,7 +11,7 @@ use storegga::probes::Series;
 use storegga::scene::Document;
 use storegga::schedule::{Stage, Step};
 
-use crate::support::{cube, tank};
+use crate::support::{cube, disturb, press, tank};
 
 /// The scene `text` with books, and with a plugin.
 fn opened(text: &str, plugin: fn(&mut App)) -> App {
@@ -56,6 +56,23 @@ fn half_the_time_step_leaves_a_quarter_of_the_residual() {
     });
     assert!(coarse < 1e-4, "{coarse}");
     assert!((fine / coarse - 0.25).abs() < 0.1, "{coarse} {fine}");
+}
+
+/// A liquid under tension in empty space draws itself together; what the control of tension does is all that is no pair force.
+#[test]
+fn the_control_of_tension_has_its_entry() {
+    let residual = [0.25, 0.125].map(|sound| {
+        let control = format!("tensile_control: PressureDifference, time_step: (sound: {sound:?}),");
+        let mut app = opened(&cube(2, 24, &control), |_| {});
+        press(app.world_mut(), |_| -1000.0);
+        disturb(app.world_mut(), 2, 0.01, |_| DVec3::ZERO);
+        run_to(&mut app, 0.05);
+        let tensile = last(&mut app, "tensile");
+        assert!(last(&mut app, "body").abs() < 1e-10 * tensile.abs());
+        last(&mut app, "residual").abs() / tensile.abs()
+    });
+    assert!(residual[1] < 0.05, "{residual:?}");
+    assert!((residual[1] / residual[0] - 0.25).abs() < 0.1, "of second order in Δt: {residual:?}");
 }
 
 /// A block of a very viscous liquid on a plate that moves under it: the work of the plate is force times speed.

@@ -93,6 +93,7 @@ fn stream(dimension: usize) -> String {
         r#"Scene(
             dimension: {dimension}, spacing: {spacing:?}, gravity: {gravity}, end_time: 10.0,
             periodic: (x: (0.0, 0.8){z}), neighbours: (skin: 0.02, sort_every: 2), equation_of_state: (max_speed: 3.0), shifting: Fickian(),
+            tensile_control: PressureDifference,
             phases: {{
                 "mud": (reference_density: 1500.0, rheology: HerschelBulkley(
                     consistency: 3.0, exponent: 0.7, yield_stress: 50.0, max_viscosity: 50.0)),

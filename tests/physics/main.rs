@@ -26,6 +26,7 @@ mod state;
 #[path = "../support/steps.rs"]
 mod steps;
 mod support;
+mod tensile_control;
 mod time_step;
 mod twin;
 mod viscous_forces;
