@@ -5,13 +5,15 @@ use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use storegga::boundary::{Body, Structure};
+use storegga::phases::Phase;
 use storegga::probes::{Probe, SeriesField, State};
 use storegga::scene::geometry::{Point, coordinates};
 use storegga::scene::{Invalid, Resolution, unknown};
 
 /// Force of the fluid on a structure, without dimension: `C = F/(½ ρ U² A)`, with the frontal area A = D × length of the
 /// structure in 2D (1 m where it has none): `drag`, `lift`, and their parts `pressure_drag`, `viscous_drag`, `pressure_lift`,
-/// `viscous_lift`.
+/// `viscous_lift`. With a `phase` also `reynolds`, the number Re = ρU²/τ of a fluid that need not be Newtonian (in 2D), with the stress τ that its
+/// flow curve has at the shear rate U/D: the force is then drawn over it as in laws for pipes hit by slides.
 #[derive(Component, Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ForceCoefficients {
@@ -26,6 +28,11 @@ pub struct ForceCoefficients {
     /// Frontal width D (m) in 2D, frontal area A (m²) in 3D.
     #[schemars(extend("unit" = "m; m² in 3D", "exclusiveMinimum" = 0.0))]
     pub frontal: f64,
+    /// Phase that flows past, for the Reynolds number; without it there is none.
+    #[serde(default)]
+    pub phase: Option<String>,
+    #[serde(skip)]
+    reynolds: Option<f64>,
 }
 
 impl Probe for ForceCoefficients {
@@ -34,7 +41,7 @@ impl Probe for ForceCoefficients {
     }
 
     fn fields(&self) -> Vec<SeriesField> {
-        [
+        let coefficients = [
             ("drag", "force along the flow over ½ρU²A"),
             ("lift", "force across the flow over ½ρU²A"),
             ("pressure_drag", "part of the drag from the pressure"),
@@ -42,8 +49,10 @@ impl Probe for ForceCoefficients {
             ("pressure_lift", "part of the lift from the pressure"),
             ("viscous_lift", "part of the lift from the viscous stress"),
         ]
-        .map(|(name, meaning)| SeriesField::new(name, "", meaning))
-        .into()
+        .map(|(name, meaning)| SeriesField::new(name, "", meaning));
+        let reynolds =
+            self.phase.as_ref().map(|_| SeriesField::new("reynolds", "", "ρU²/τ, τ the stress at the shear rate U/D"));
+        coefficients.into_iter().chain(reynolds).collect()
     }
 
     fn prepare(&mut self, world: &mut World) -> Result<(), Invalid> {
@@ -60,10 +69,17 @@ impl Probe for ForceCoefficients {
         }
         let mut bodies = world.query_filtered::<&Body, With<Structure>>();
         let known: Vec<&str> = bodies.iter(world).map(|body| body.name.as_str()).collect();
-        if known.contains(&self.structure.as_str()) {
-            return Ok(());
+        if !known.contains(&self.structure.as_str()) {
+            return Err(unknown("structure", "structure", &self.structure, known));
         }
-        Err(unknown("structure", "structure", &self.structure, known))
+        let Some(name) = &self.phase else { return Ok(()) };
+        if dimension == 3 {
+            return Err(Invalid::new("phase", "in 3D there is a frontal area and no width: leave `phase` out"));
+        }
+        let speed = self.velocity.position().length();
+        let stress = stress(world, name, speed / self.frontal)?;
+        self.reynolds = Some(self.density * speed * speed / stress);
+        Ok(())
     }
 
     fn measure(&mut self, state: &State<'_>, row: &mut [f64]) {
@@ -78,13 +94,22 @@ impl Probe for ForceCoefficients {
         let across = if plane { DVec3::Z.cross(along) } else { load.force().reject_from(along).normalize_or_zero() };
         let lift = |force: DVec3| force.dot(across) / scale;
         let (pressure, viscous) = (load.pressure_force, load.viscous_force);
-        row.copy_from_slice(&[
-            drag(load.force()),
-            lift(load.force()),
-            drag(pressure),
-            drag(viscous),
-            lift(pressure),
-            lift(viscous),
-        ]);
+        let coefficients =
+            [drag(load.force()), lift(load.force()), drag(pressure), drag(viscous), lift(pressure), lift(viscous)];
+        row.iter_mut().zip(coefficients.into_iter().chain(self.reynolds)).for_each(|(place, value)| *place = value);
+    }
+}
+
+/// τ = μ(γ̇) γ̇ (Pa) of the phase `name` at the shear rate `rate` (1/s) and no pressure.
+fn stress(world: &mut World, name: &str, rate: f64) -> Result<f64, Invalid> {
+    let mut phases = world.query::<(EntityRef<'_>, &Phase)>();
+    let Some((entity, phase)) = phases.iter(world).find(|(_, phase)| phase.name == name) else {
+        let known: Vec<&str> = phases.iter(world).map(|(_, phase)| phase.name.as_str()).collect();
+        return Err(unknown("phase", "phase", name, known));
+    };
+    let viscosity = phase.rheology.curve.and_then(|curve| curve(entity, rate, 0.0));
+    match viscosity.map(|viscosity| viscosity * rate) {
+        Some(stress) if stress > 0.0 => Ok(stress),
+        _ => Err(Invalid::new("phase", format!("the rheology of `{name}` has no stress of its own at a shear rate"))),
     }
 }

@@ -13,7 +13,7 @@ const PAST: &str = r#"Scene(
     fluids: [(phase: "water", shape: Box(min: (0.0, 0.0), max: (1.0, 1.0)), velocity: (0.3, 0.4), pressure: Uniform(0.0))],
     structures: { "block": (shape: Box(min: (0.4, 0.4), max: (0.6, 0.6)), length: 3.0) },
     probes: {
-        "force": ForceCoefficients(structure: "block", velocity: (0.0, 0.5), density: 1000.0, frontal: 0.2),
+        "force": ForceCoefficients(structure: "block", velocity: (0.0, 0.5), density: 1000.0, frontal: 0.2, phase: "water"),
         "corner": MeanVelocity(shape: Box(min: (0.0, 0.0), max: (0.1, 0.1))),
         "nowhere": MeanVelocity(shape: Box(min: (0.45, 0.45), max: (0.55, 0.55))),
     },
@@ -39,6 +39,8 @@ fn coefficients_are_forces_over_the_dynamic_pressure() {
         assert!((found - exact / 75.0).abs() < 1e-12, "{force:?}");
     }
     assert!((force[4] + force[5] - force[1]).abs() < 1e-12);
+    // ρUD/μ = 1000 · 0.5 · 0.2/1, since τ = μU/D.
+    assert!((force[6] - 100.0).abs() < 1e-10, "{}", force[6]);
     let corner = row("corner", 0);
     assert!((corner[0] - 0.3).abs() < 1e-12 && (corner[1] - 0.4).abs() < 1e-12, "{corner:?}");
     assert!(row("nowhere", 1).iter().all(|number| number.is_nan()));
@@ -49,6 +51,7 @@ fn wrong_parameters_are_refused_in_their_place() {
     for (from, to, word) in [
         ("structure: \"block\"", "structure: \"blok\"", "did you mean `block`?"),
         ("velocity: (0.0, 0.5)", "velocity: (0.0, 0.0)", "`probes.force.velocity`: must not be the null vector"),
+        ("phase: \"water\")", "phase: \"watr\")", "did you mean `water`?"),
         ("frontal: 0.2", "frontal: -0.2", "`probes.force.frontal`: must be greater than 0, got -0.2 m"),
         ("max: (0.1, 0.1)", "max: (-0.1, 0.1)", "`probes.corner.shape"),
     ] {
