@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand};
 
-use super::study_args::StudyArgs;
-use super::view_args::{ExportArgs, ForcesArgs, MovieArgs, PlotArgs};
+use super::study_args::{StudyArgs, ValidateArgs};
+use super::view_args::{ExportArgs, ForcesArgs, MovieArgs, PlotArgs, RunoutArgs};
 
 /// Simulates submarine landslides, the waves they raise, and the forces with which they hit structures.
 #[derive(Debug, Parser)]
@@ -36,6 +36,8 @@ pub(super) enum Command {
     Resume(ResumeArgs),
     /// Run a scene with many values, and make a table and figures of what comes out.
     Study(StudyArgs),
+    /// Run the studies that compare the program with the paper, measurements and exact solutions, and write one page of them.
+    Validate(ValidateArgs),
     /// Say what a run of a scene would be like, without running it.
     Check(CheckArgs),
     /// Run scenes and compare them with their expectations.
@@ -52,6 +54,8 @@ pub(super) enum Command {
     Movie(MovieArgs),
     /// Judge the force on a structure: peak, mean, impulse, coefficients, raw and filtered.
     Forces(ForcesArgs),
+    /// Say how far a slide has come, what it leaves, and how high the waves were.
+    Runout(RunoutArgs),
     /// Write the frames of a log as files that ParaView opens.
     Export(ExportArgs),
     /// Print the page of every field of a scene in Markdown: meaning, unit, default, range.

@@ -1,4 +1,4 @@
-//! The command line: what `storegga run`, `resume`, `study`, `check`, `test`, `scenes`, `recover`, `doctor`, `plot`, `movie`, `export`,
+//! The command line: what `storegga run`, `resume`, `study`, `validate`, `check`, `test`, `scenes`, `recover`, `doctor`, `plot`, `movie`, `forces`, `runout`, `export`,
 //! `reference` and `schema` do.
 //!
 //! [`main`] is the whole program for any set of plugins, so that a program of one's own with further plugins is
@@ -17,15 +17,18 @@ mod progress;
 mod recover;
 mod resume;
 mod run;
+mod runout;
 mod scenes;
 mod schema;
 mod simulate;
 mod study;
 mod study_args;
+mod study_frames;
 mod study_progress;
 mod summary;
 mod table;
 mod test;
+mod validate;
 mod view_args;
 mod warnings;
 
@@ -46,6 +49,7 @@ pub fn main<P: PluginGroup>(plugins: fn() -> P) -> ExitCode {
         Command::Run(args) => run::run(&args, plugins),
         Command::Resume(args) => resume::resume(&args, plugins),
         Command::Study(args) => study::study(&args, plugins),
+        Command::Validate(args) => validate::validate(&args, plugins),
         Command::Check(args) => check::check(&args, plugins),
         Command::Test(args) => test::test(&args, plugins),
         Command::Scenes(args) => scenes::list(&args, plugins),
@@ -54,6 +58,7 @@ pub fn main<P: PluginGroup>(plugins: fn() -> P) -> ExitCode {
         Command::Plot(args) => plot::plot(&args),
         Command::Movie(args) => movie::movie(&args),
         Command::Forces(args) => forces::forces(&args, plugins),
+        Command::Runout(args) => runout::runout(&args),
         Command::Export(args) => export::export(&args),
         Command::Reference => schema::reference(plugins),
         Command::Schema => schema::schema(plugins),

@@ -11,7 +11,8 @@ use bevy_app::PluginGroup;
 
 use super::exit::{self, complain, say};
 use super::number::{bytes, count, duration, short};
-use super::study_args::StudyArgs;
+use super::study_args::{How, StudyArgs};
+use super::study_frames;
 use super::study_progress::StudyProgress;
 use super::table::Table as Text;
 use crate::app::StopFlag;
@@ -23,29 +24,70 @@ use crate::study::{Ended, Event, Left, Limits, Place, Plan, Row, Study, Table, T
 
 /// Runs what is not done of a study, and makes its table and figures.
 pub(super) fn study<P: PluginGroup>(args: &StudyArgs, plugins: fn() -> P) -> Result<ExitCode, UserError> {
-    let study = Study::read(&args.study)?;
-    let folder = args.out.clone().unwrap_or_else(|| default_folder(&args.study));
-    refuse_other_folder(&folder)?;
     let stop = exit::stop_on_interrupt();
-    let Some(plan) = Plan::new(study, plugins, &stop)? else { return Ok(ExitCode::from(exit::INTERRUPTED)) };
-    let shares = Shares::of(args, &plan);
-    let place = Place { folder, threads: shares.threads, checkpoint_every: args.checkpoint_every_wall };
+    let folder = args.out.clone().unwrap_or_else(|| default_folder(&args.study));
+    let Some((plan, place, shares)) = planned(&args.study, folder, &args.how, plugins, &stop)? else {
+        return Ok(ExitCode::from(exit::INTERRUPTED));
+    };
     if args.dry_run {
-        say(&dry_run(&plan, &place, &shares, args.again));
+        say(&dry_run(&plan, &place, &shares, args.how.again));
         return Ok(ExitCode::SUCCESS);
     }
+    let done = carried_out(plan, &place, &shares, &args.how, &stop)?;
+    Ok(ExitCode::from(done.code))
+}
+
+/// A study, as far as it is done.
+pub(super) struct Done {
+    pub plan: Plan,
+    pub rows: Vec<Row>,
+    /// Names of the figures as PNG.
+    pub figures: Vec<String>,
+    pub code: u8,
+}
+
+/// The study in `file` done in `folder`; none if it was stopped before its first run.
+pub(super) fn done<P: PluginGroup>(
+    file: &Path,
+    folder: PathBuf,
+    how: &How,
+    plugins: fn() -> P,
+    stop: &StopFlag,
+) -> Result<Option<Done>, UserError> {
+    let Some((plan, place, shares)) = planned(file, folder, how, plugins, stop)? else { return Ok(None) };
+    carried_out(plan, &place, &shares, how, stop).map(Some)
+}
+
+fn planned<P: PluginGroup>(
+    file: &Path,
+    folder: PathBuf,
+    how: &How,
+    plugins: fn() -> P,
+    stop: &StopFlag,
+) -> Result<Option<(Plan, Place, Shares)>, UserError> {
+    let study = Study::read(file, how.coarse)?;
+    refuse_other_folder(&folder)?;
+    let Some(plan) = Plan::new(study, plugins, stop)? else { return Ok(None) };
+    let shares = Shares::of(how, &plan);
+    let place = Place { folder, threads: shares.threads, checkpoint_every: how.checkpoint_every_wall };
+    Ok(Some((plan, place, shares)))
+}
+
+fn carried_out(plan: Plan, place: &Place, shares: &Shares, how: &How, stop: &StopFlag) -> Result<Done, UserError> {
     let _lock = take_folder(&place.folder, plan.study.text())?;
     let mut rows = vec![Row::Waiting; plan.runs.len()];
-    let tasks = tasks(&plan, &place, args, &mut rows)?;
-    let wrong = run(&plan, tasks, &place, &shares, args.quiet, &stop, &mut rows)?;
-    let figures = write_figures(&plan, &rows, &place.folder)?;
+    let tasks = tasks(&plan, place, how, &mut rows)?;
+    let wrong = run(&plan, tasks, place, shares, how.quiet, stop, &mut rows)?;
+    let mut figures = write_figures(&plan, &rows, &place.folder)?;
+    figures.extend(study_frames::write(&plan, &rows, place)?);
     let table = Table { plan: &plan, rows: &rows };
     table.write_csv(&place.folder.join("table.csv"))?;
     table.write_markdown(&place.folder.join("table.md"), &figures)?;
-    if !args.quiet {
+    if !how.quiet {
         say(&shown(&table, &place.folder, &figures));
     }
-    Ok(ExitCode::from(code(&rows, wrong, &stop)))
+    let code = code(&rows, wrong, stop);
+    Ok(Done { plan, rows, figures, code })
 }
 
 /// `runs/<study>`.
@@ -92,7 +134,7 @@ struct Shares {
 const USABLE: f64 = 0.9;
 
 impl Shares {
-    fn of(args: &StudyArgs, plan: &Plan) -> Self {
+    fn of(args: &How, plan: &Plan) -> Self {
         let processors = thread::available_parallelism().map_or(1, std::num::NonZero::get);
         let memory = USABLE * available_memory();
         let fitting = fitting(plan.runs.iter().map(|run| run.memory).collect(), memory);
@@ -129,7 +171,7 @@ fn settled(plan: &Plan, place: &Place, k: usize) -> Result<Left, UserError> {
 }
 
 /// What is to be done; the rows of what is done already are filled in.
-fn tasks(plan: &Plan, place: &Place, args: &StudyArgs, rows: &mut [Row]) -> Result<Vec<Task>, UserError> {
+fn tasks(plan: &Plan, place: &Place, args: &How, rows: &mut [Row]) -> Result<Vec<Task>, UserError> {
     let (mut tasks, mut other_builds, program) = (Vec::new(), 0, program_checksum());
     for (run, row) in rows.iter_mut().enumerate() {
         let left = settled(plan, place, run)?;

@@ -306,3 +306,29 @@ mod tests {
         assert!(taken(Frames { from: Some(0.6), to: None, every: 1 }).is_empty());
     }
 }
+
+/// Arguments of `storegga runout`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  storegga runout runs/submarine_slide.mcap --phase slide
+  storegga runout runs/submarine_slide.mcap --phase slide --direction 1,-1 --out runs/slide
+
+It draws front, centre of mass and rear over time, the upper surface at the start and at the end, and the highest and lowest elevation of
+the free surface over x, and writes the same numbers as CSV. It sees the frames of the log (`log: (particles: ...)` of the scene).")]
+pub(super) struct RunoutArgs {
+    /// Log, whole or torn.
+    pub log: PathBuf,
+    /// Phase that slides; can be left out where there is one only.
+    #[arg(long, value_name = "NAME")]
+    pub phase: Option<String>,
+    /// Direction in which it slides. Along x if left out.
+    #[arg(long, value_name = "X,Y[,Z]", allow_hyphen_values = true, value_parser = vector)]
+    pub direction: Option<[f64; 3]>,
+    /// Folder for figures and tables; by default plots/<log>. It is made if it does not exist.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// File format.
+    #[arg(long, value_enum, default_value_t)]
+    pub format: PictureFormat,
+}

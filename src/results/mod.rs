@@ -8,6 +8,7 @@ mod fit;
 mod frame;
 mod profile;
 mod record;
+mod runout;
 mod series;
 mod vtk;
 
@@ -16,6 +17,7 @@ pub use fit::Fit;
 pub use frame::{Frame, FrameField};
 pub use profile::{line_profile, upper_surface, vertical_axis};
 pub use record::Record;
+pub use runout::{BULK, COLUMN, Envelope, Extent, Extremes, center_height};
 pub use series::{SeriesField, TimeSeries};
 pub use vtk::{write_collection, write_points};
 

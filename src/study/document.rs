@@ -15,23 +15,26 @@ use std::sync::Arc;
 
 use serde::Deserialize;
 
+use super::Beside;
+use super::runs::read_runs;
 use crate::error::UserError;
 use crate::expect::Take;
 use crate::number::plain;
-use crate::scene::document::{Field, Kind, Node};
+use crate::scene::document::{Kind, Node};
 use crate::scene::{Document, Invalid, Setting, clean, open_document, read_text, settings, unknown};
 
 /// Fields of a study.
-const FIELDS: [&str; 7] = ["title", "scene", "until", "set", "vary", "measures", "figures"];
-
-/// Most runs of a study: more are a mistake rather than a plan.
-const MOST_RUNS: usize = 10_000;
+const FIELDS: [&str; 9] = ["title", "text", "scene", "until", "set", "vary", "coarse", "measures", "figures"];
 
 /// A study, as read.
 #[derive(Debug, Clone)]
 pub struct Study {
     /// What it shows, in a line; may be empty.
     pub title: String,
+    /// What there is to say of it, in Markdown; may be empty.
+    pub text: String,
+    /// Whether the coarse values are meant.
+    pub is_coarse: bool,
     /// The scene, from the folder of the program.
     pub scene: PathBuf,
     /// End (s) of every run, if it is not that of the scene.
@@ -61,6 +64,12 @@ pub struct Measure {
     /// Which of its values counts; by default the last.
     #[serde(default)]
     pub take: Take,
+    /// A curve that all its values are compared with, in the place of `take`: the measure is R² (Eq. 22).
+    #[serde(default)]
+    pub against: Option<Beside>,
+    /// Least and greatest value that is asked for, of the last run of the study that is done.
+    #[serde(default)]
+    pub asked: Option<(f64, f64)>,
 }
 
 /// A figure of a study.
@@ -71,17 +80,23 @@ pub enum FigureSpec {
     Measure {
         /// Name of the measure.
         of: String,
-        /// Path of the varied value on the horizontal axis; its values are numbers.
+        /// Path of the varied value on the horizontal axis, whose values are numbers, or the name of another measure.
         over: String,
         /// Paths of the varied values of which each combination has a curve of its own. By default all others in a grid, none
         /// in a list.
         #[serde(default)]
         by: Option<Vec<String>>,
+        /// Curves beside them, dashed.
+        #[serde(default)]
+        beside: Vec<Beside>,
     },
     /// A number over time, a curve for each run.
     Series {
         /// The measured number: `<series>.<field>`.
         of: String,
+        /// Measurements beside them.
+        #[serde(default)]
+        beside: Vec<Beside>,
     },
     /// The upper surface of a phase, a curve for each run.
     Surface {
@@ -90,14 +105,34 @@ pub enum FigureSpec {
         /// Time (s); the nearest frame of each run is drawn.
         at: f64,
     },
+    /// The particles of the last run that is done, coloured by a quantity.
+    Field {
+        /// The quantity, such as `pressure`, `speed`, `phase`.
+        of: String,
+        /// Times (s); the nearest frames are drawn.
+        at: Vec<f64>,
+        /// Whether arrows show the velocity.
+        #[serde(default)]
+        arrows: bool,
+    },
+    /// A profile of the last run that is done.
+    Profile {
+        /// `surface:<phase>`, or `<field>:<axis>=<coordinate in m>`.
+        of: String,
+        /// Times (s); the nearest frames are drawn.
+        at: Vec<f64>,
+        /// Measurements or exact values beside it.
+        #[serde(default)]
+        beside: Vec<Beside>,
+    },
 }
 
 impl Study {
-    /// Reads the study at `path`, as strictly as a scene.
+    /// Reads the study at `path`, as strictly as a scene; with its `coarse` values in the place of `vary` if asked for and if it has any.
     ///
     /// # Errors
     /// What is wrong with it, with its place.
-    pub fn read(path: &Path) -> Result<Self, UserError> {
+    pub fn read(path: &Path, is_coarse: bool) -> Result<Self, UserError> {
         let document = Arc::new(Document::parse_value(&path.display().to_string(), &read_text(path)?)?);
         let root = document.root();
         if !matches!(root.kind, Kind::Struct { .. }) || root.name().is_some_and(|name| name != "Study") {
@@ -105,10 +140,14 @@ impl Study {
         }
         document.require_known_fields("", &FIELDS)?;
         let scene: String = document.read("scene")?;
-        let (varied, runs, is_grid) = read_runs(&document)?;
-        let study = Self {
+        let is_coarse = is_coarse && document.node("coarse").is_some();
+        let (varied, runs, is_grid) = read_runs(&document, if is_coarse { "coarse" } else { "vary" })?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let mut study = Self {
             title: optional(&document, "title")?,
-            scene: clean(&path.parent().unwrap_or(Path::new("")).join(scene)),
+            text: optional::<Vec<String>>(&document, "text")?.join(" "),
+            is_coarse,
+            scene: clean(&folder.join(scene)),
             until: optional(&document, "until")?,
             varied,
             is_grid,
@@ -118,7 +157,8 @@ impl Study {
             runs,
             document,
         };
-        study.check().map_err(|invalid| study.document.invalid(&invalid))?;
+        let checked = study.check().and_then(|()| study.read_curves(folder));
+        checked.map_err(|invalid| study.document.invalid(&invalid))?;
         Ok(study)
     }
 
@@ -156,6 +196,20 @@ impl Study {
         })
     }
 
+    /// Reads the files of curves to compare with, seen from `folder`.
+    fn read_curves(&mut self, folder: &Path) -> Result<(), Invalid> {
+        for (k, measure) in self.measures.iter_mut().enumerate() {
+            let read = measure.against.as_mut().map_or(Ok(()), |against| against.read(folder));
+            read.map_err(|invalid| invalid.under(&format!("measures.{k}.against")))?;
+        }
+        for (k, figure) in self.figures.iter_mut().enumerate() {
+            for (n, beside) in figure.beside_mut().iter_mut().enumerate() {
+                beside.read(folder).map_err(|invalid| invalid.under(&format!("figures.{k}.beside.{n}")))?;
+            }
+        }
+        Ok(())
+    }
+
     fn check(&self) -> Result<(), Invalid> {
         if let Some(until) = self.until.filter(|until| *until <= 0.0) {
             return Err(Invalid::new("until", format!("must be greater than 0, got {until} s")));
@@ -175,16 +229,24 @@ impl Study {
         if self.measures[..k].iter().any(|other| other.name == measure.name) {
             return Err(Invalid::new("name", "another measure has this name, too"));
         }
+        if measure.against.is_some() && measure.take != Take::Last {
+            return Err(Invalid::new("take", "all values are compared with the file: leave `take` out"));
+        }
+        if measure.asked.is_some_and(|(least, greatest)| least > greatest) {
+            return Err(Invalid::new("asked", "the least value comes first"));
+        }
         measure.take.check().map_err(|invalid| invalid.under("take"))
     }
 
     fn check_figure(&self, figure: &FigureSpec) -> Result<(), Invalid> {
-        let FigureSpec::Measure { of, over, by } = figure else { return Ok(()) };
-        let measures = self.measures.iter().map(|measure| measure.name.as_str());
+        let FigureSpec::Measure { of, over, by, .. } = figure else { return Ok(()) };
+        let mut measures = self.measures.iter().map(|measure| measure.name.as_str());
         if !measures.clone().any(|name| name == of) {
             return Err(unknown("of", "measure", of, measures));
         }
-        self.check_varied("over", over)?;
+        if !measures.any(|name| name == over) {
+            self.check_varied("over", over)?;
+        }
         for (k, path) in by.iter().flatten().enumerate() {
             self.check_varied(&format!("by.{k}"), path)?;
             if path == over {
@@ -206,6 +268,24 @@ impl Study {
             return Ok(());
         }
         Err(unknown(field, "varied value", path, varied))
+    }
+}
+
+impl FigureSpec {
+    /// Curves that stand beside those of the runs.
+    #[must_use]
+    pub fn beside(&self) -> &[Beside] {
+        match self {
+            Self::Measure { beside, .. } | Self::Series { beside, .. } | Self::Profile { beside, .. } => beside,
+            Self::Surface { .. } | Self::Field { .. } => &[],
+        }
+    }
+
+    fn beside_mut(&mut self) -> &mut [Beside] {
+        match self {
+            Self::Measure { beside, .. } | Self::Series { beside, .. } | Self::Profile { beside, .. } => beside,
+            Self::Surface { .. } | Self::Field { .. } => &mut [],
+        }
     }
 }
 
@@ -235,104 +315,9 @@ fn optional<T: serde::de::DeserializeOwned + Default>(document: &Document, field
     if document.node(field).is_none() { Ok(T::default()) } else { document.read(field) }
 }
 
-fn expected(document: &Document, node: &Node, what: &str) -> UserError {
+pub(super) fn expected(document: &Document, node: &Node, what: &str) -> UserError {
     let message = format!("expected {what}, found {}", node.describe(document.text()));
     let is_long = document.text().get(node.span.clone()).is_some_and(|shown| shown.contains('\n'));
     let span = if is_long { node.opening() } else { node.span.clone() };
     document.error(span, message, format!("expected {what}"))
-}
-
-/// Paths that are varied, the overrides of each run, and whether they are a grid.
-type Runs = (Vec<String>, Vec<Vec<Setting>>, bool);
-
-fn read_runs(document: &Document) -> Result<Runs, UserError> {
-    let Some(node) = document.node("vary") else {
-        let label = "needs `vary: Grid({…})` or `vary: List([…])`";
-        return Err(document.error(document.root().opening(), "`vary` is missing", label));
-    };
-    let named = document.named(node)?;
-    let runs = match named.name {
-        "Grid" => grid(document, node.inner().unwrap_or(node)),
-        "List" => list(document, node.inner().unwrap_or(node)),
-        other => return Err(document.unknown_name_error(named.span, "way to vary", other, &["Grid", "List"])),
-    }?;
-    let fixed = settings(document, "set")?;
-    let mut varied: Vec<String> = Vec::new();
-    for setting in runs.iter().flatten() {
-        if fixed.iter().any(|fixed| fixed.path == setting.path) {
-            let message = format!("`{}` is varied, and stands in `set`, too", setting.path);
-            return Err(document.error(setting.span.clone(), message, "varied here"));
-        }
-        if !varied.contains(&setting.path) {
-            varied.push(setting.path.clone());
-        }
-    }
-    Ok((varied, runs, named.name == "Grid"))
-}
-
-/// `{"path": [values]}`: every combination; the last path varies fastest.
-fn grid(document: &Document, node: &Node) -> Result<Vec<Vec<Setting>>, UserError> {
-    const TABLE: &str = "a table of lists `{\"path\": [value, …]}`";
-    let Kind::Map { entries } = &node.kind else { return Err(expected(document, node, TABLE)) };
-    if entries.is_empty() {
-        return Err(document.error(node.span.clone(), "nothing is varied", format!("expected {TABLE}")));
-    }
-    let mut runs = vec![Vec::new()];
-    for entry in entries {
-        let values = values(document, entry)?;
-        if runs.len() * values.len() > MOST_RUNS {
-            let message = format!("more than {MOST_RUNS} runs come of all combinations");
-            return Err(document.error(entry.key_span.clone(), message, "with these values"));
-        }
-        let with = |run: &Vec<Setting>, value: &Setting| run.iter().chain([value]).cloned().collect();
-        runs = runs.iter().flat_map(|run| values.iter().map(move |value| with(run, value))).collect();
-    }
-    Ok(runs)
-}
-
-/// The values that a path takes in a grid.
-fn values(document: &Document, entry: &Field) -> Result<Vec<Setting>, UserError> {
-    let Kind::List(items) = &entry.value.kind else {
-        return Err(expected(document, &entry.value, "a list of values `[…]`"));
-    };
-    if items.is_empty() {
-        let message = format!("the list of values of `{}` is empty", entry.key);
-        return Err(document.error(entry.value.span.clone(), message, "expected at least one value"));
-    }
-    let values: Vec<Setting> = items.iter().map(|item| Setting::new(document, &entry.key, item)).collect();
-    for (k, value) in values.iter().enumerate() {
-        if values[..k].iter().any(|other| other.shown() == value.shown()) {
-            let message = format!("`{}` is given twice", value.shown());
-            return Err(document.error(value.span.clone(), message, "the second time"));
-        }
-    }
-    Ok(values)
-}
-
-/// `[{"path": value}]`: these.
-fn list(document: &Document, node: &Node) -> Result<Vec<Vec<Setting>>, UserError> {
-    const LIST: &str = "a list of tables `[{\"path\": value}, …]`";
-    let Kind::List(items) = &node.kind else { return Err(expected(document, node, LIST)) };
-    if items.is_empty() || items.len() > MOST_RUNS {
-        let message = if items.is_empty() { "the list of runs is empty" } else { "these are too many runs" };
-        return Err(document.error(node.opening(), message, format!("expected 1 to {MOST_RUNS} tables")));
-    }
-    let mut runs: Vec<Vec<Setting>> = Vec::new();
-    for item in items {
-        let Kind::Map { entries } = &item.kind else {
-            return Err(expected(document, item, "a table `{\"path\": value}`"));
-        };
-        let run: Vec<Setting> = entries.iter().map(|entry| Setting::new(document, &entry.key, &entry.value)).collect();
-        if runs.iter().any(|other| are_same(other, &run)) {
-            return Err(document.error(item.span.clone(), "this run is given twice", "the second time"));
-        }
-        runs.push(run);
-    }
-    Ok(runs)
-}
-
-/// Whether two runs have the same overrides, in whatever order.
-fn are_same(one: &[Setting], other: &[Setting]) -> bool {
-    let has = |setting: &Setting| other.iter().any(|b| b.path == setting.path && b.shown() == setting.shown());
-    one.len() == other.len() && one.iter().all(has)
 }

@@ -6,7 +6,7 @@ use super::document::FigureSpec;
 use super::names::safe;
 use super::{Drawn, Plan, PlannedRun, Row};
 use crate::error::UserError;
-use crate::figures::{Curve, LineFigure, Marks, labelled, save};
+use crate::figures::{Curve, Figure, LineFigure, Marks, labelled, save};
 use crate::number::short;
 
 /// Formats of figures, by the endings of their files.
@@ -19,44 +19,54 @@ const FORMATS: [&str; 2] = ["png", "svg"];
 pub fn write_figures(plan: &Plan, rows: &[Row], folder: &Path) -> Result<Vec<String>, UserError> {
     let mut names: Vec<String> = Vec::new();
     for (k, spec) in plan.study.figures.iter().enumerate() {
-        let (name, figure) = match (spec, &plan.drawn[k]) {
-            (FigureSpec::Measure { of, over, by }, _) => {
+        let (name, mut figure) = match (spec, &plan.drawn[k]) {
+            (FigureSpec::Measure { of, over, by, .. }, _) => {
                 (format!("{of} over {}", label(plan, over)), measure(plan, rows, of, over, by.as_deref()))
             }
-            (FigureSpec::Series { of }, Drawn::Series(source)) => {
+            (FigureSpec::Series { of, .. }, Drawn::Series(source)) => {
                 (of.clone(), curves(plan, rows, k, axes_of(of, &source.unit)))
             }
             (FigureSpec::Surface { of, at }, _) => {
                 let axes = ["x (m)".to_owned(), format!("surface of {of} at {} s (m)", short(*at))];
                 (format!("surface of {of}"), curves(plan, rows, k, axes))
             }
-            (FigureSpec::Series { .. }, _) => continue,
+            (FigureSpec::Series { .. } | FigureSpec::Field { .. } | FigureSpec::Profile { .. }, _) => continue,
         };
         if figure.curves.iter().all(|curve| curve.points.is_empty()) {
             continue;
         }
-        let name = format!("figure_{}_{}", k + 1, safe(&name.replace(' ', "_")));
-        for format in FORMATS {
-            let path = folder.join(&name).with_added_extension(format);
-            save(&figure, &path)
-                .map_err(|what| UserError::plain(format!("cannot write {}: {what}", path.display())))?;
-        }
-        names.push(format!("{name}.{}", FORMATS[0]));
+        let marks = if matches!(spec, FigureSpec::Measure { .. }) { Marks::Dashes } else { Marks::Rings };
+        figure.curves.extend(spec.beside().iter().map(|beside| beside.curve(marks)));
+        names.push(write_figure(k, &name, &figure, folder)?);
     }
     Ok(names)
+}
+
+/// Writes figure `k` of a study, which shows what `name` says, into `folder`. Returns the name of the PNG file.
+///
+/// # Errors
+/// A file cannot be written.
+pub fn write_figure(k: usize, name: &str, figure: &impl Figure, folder: &Path) -> Result<String, UserError> {
+    let name = format!("figure_{}_{}", k + 1, safe(&name.replace(' ', "_")));
+    for format in FORMATS {
+        let path = folder.join(&name).with_added_extension(format);
+        save(figure, &path).map_err(|what| UserError::plain(format!("cannot write {}: {what}", path.display())))?;
+    }
+    Ok(format!("{name}.{}", FORMATS[0]))
 }
 
 /// A measure over a varied value.
 fn measure(plan: &Plan, rows: &[Row], of: &str, over: &str, by: Option<&[String]>) -> LineFigure {
     let place = |path: &str| plan.varied.iter().position(|varied| varied.path == path);
-    let (Some(over), Some(m)) = (place(over), plan.study.measures.iter().position(|measure| measure.name == of)) else {
-        return LineFigure::default();
-    };
-    let others = (0..plan.varied.len()).filter(|k| *k != over && plan.study.is_grid);
+    let measure = |name: &str| plan.study.measures.iter().position(|measure| measure.name == name);
+    let Some(m) = measure(of) else { return LineFigure::default() };
+    let (along, of_measure) = (place(over), measure(over));
+    let others = (0..plan.varied.len()).filter(|k| Some(*k) != along && of_measure.is_none() && plan.study.is_grid);
     let by: Vec<usize> = by.map_or(others.collect(), |by| by.iter().filter_map(|path| place(path)).collect());
     let mut curves: Vec<Curve> = Vec::new();
     for (run, row) in plan.runs.iter().zip(rows) {
-        let (Some(x), Some(y)) = (run.number(over), row.measure(m)) else { continue };
+        let x = along.map_or_else(|| row.measure(of_measure?), |along| run.number(along));
+        let (Some(x), Some(y)) = (x, row.measure(m)) else { continue };
         let name = name(plan, run, &by);
         match curves.iter_mut().find(|curve| curve.name == name) {
             Some(curve) => curve.points.push([x, y]),
@@ -64,14 +74,19 @@ fn measure(plan: &Plan, rows: &[Row], of: &str, over: &str, by: Option<&[String]
         }
     }
     curves.iter_mut().for_each(|curve| curve.points.sort_by(|a, b| a[0].total_cmp(&b[0])));
-    let varied = &plan.varied[over];
-    let axes = [labelled(&varied.label, &varied.unit), labelled(of, &plan.measures[m].unit)];
+    let unit = |m: usize| &plan.measures[m].unit;
+    let horizontal = match (along, of_measure) {
+        (Some(k), _) => labelled(&plan.varied[k].label, &plan.varied[k].unit),
+        (None, Some(other)) => labelled(over, unit(other)),
+        (None, None) => String::new(),
+    };
+    let axes = [horizontal, labelled(of, unit(m))];
     LineFigure { title: plan.study.title.clone(), axes, curves, ..LineFigure::default() }
 }
 
-/// The short name of a varied value.
-fn label<'a>(plan: &'a Plan, path: &str) -> &'a str {
-    plan.varied.iter().find(|varied| varied.path == path).map_or("", |varied| &varied.label)
+/// The short name of a varied value; that of a measure as it is.
+fn label<'a>(plan: &'a Plan, path: &'a str) -> &'a str {
+    plan.varied.iter().find(|varied| varied.path == path).map_or(path, |varied| &varied.label)
 }
 
 /// Figure `k` with a curve a run.

@@ -7,6 +7,7 @@
 //!
 //! The logs are all that counts: whenever a study is stopped, the next start finds in them what is done.
 
+mod beside;
 mod child;
 mod document;
 mod execute;
@@ -16,14 +17,16 @@ mod names;
 mod pace;
 mod plan;
 mod record;
+mod runs;
 mod table;
 
+pub use beside::Beside;
 pub use child::Place;
 pub use document::{FigureSpec, Measure, Study};
 pub use execute::{Ended, Event, Limits, Task, execute};
-pub use figures::write_figures;
+pub use figures::{write_figure, write_figures};
 pub use left::{Finished, Left, look};
 pub use pace::time_left;
 pub use plan::{Drawn, Plan, PlannedRun, Source, Varied};
 pub use record::Record;
-pub use table::{Row, Table};
+pub use table::{Asked, Row, Table};

@@ -103,6 +103,8 @@ pub enum Drawn {
     Series(Source),
     /// The phase with this number, at a time (s).
     Surface(usize, f64),
+    /// The frames of the last run.
+    Frames,
 }
 
 impl Plan {
@@ -185,7 +187,8 @@ impl Plan {
             let place = format!("measures.{k}");
             let source = source(world, &measure.of).map_err(|invalid| invalid.under(&place))?;
             measure.take.check_times(end_time).map_err(|invalid| invalid.under("take").under(&place))?;
-            measures.push(Source { unit: measure.take.unit(&source.unit).to_owned(), ..source });
+            let unit = if measure.against.is_some() { "" } else { measure.take.unit(&source.unit) };
+            measures.push(Source { unit: unit.to_owned(), ..source });
         }
         Ok(measures)
     }
@@ -194,7 +197,13 @@ impl Plan {
     fn drawn(&self, world: &mut World, end_time: f64) -> Result<Vec<Drawn>, Invalid> {
         let mut drawn = |figure: &FigureSpec| match figure {
             FigureSpec::Measure { .. } => Ok(Drawn::Measures),
-            FigureSpec::Series { of } => source(world, of).map(Drawn::Series),
+            FigureSpec::Series { of, .. } => source(world, of).map(Drawn::Series),
+            FigureSpec::Field { at, .. } | FigureSpec::Profile { at, .. } => {
+                let late = at.iter().enumerate().map(|(k, at)| (k, Take::At(*at).check_times(end_time)));
+                late.into_iter()
+                    .try_for_each(|(k, checked)| checked.map_err(|invalid| invalid.under(&format!("at.{k}"))))?;
+                Ok(Drawn::Frames)
+            }
             FigureSpec::Surface { of, at } => {
                 Take::At(*at).check_times(end_time).map_err(|invalid| invalid.under("at"))?;
                 let phases: Vec<String> = phases(world).into_iter().map(|(phase, _)| phase.name).collect();

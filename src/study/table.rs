@@ -10,7 +10,7 @@ use crate::figures::labelled;
 use crate::log::LogError;
 use crate::number::{count, duration, plain, short};
 use crate::replace::replace;
-use crate::results::{PARTICLES, Results, upper_surface};
+use crate::results::{Fit, PARTICLES, Results, upper_surface};
 
 /// What came of a run.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,7 +40,15 @@ impl Row {
         let results = Results::open(log).map_err(unreadable)?;
         let measures = plan.study.measures.iter().zip(&plan.measures).map(|(measure, source)| {
             let samples = samples(&results, source);
-            match measure.take.of(&samples) {
+            let taken = match &measure.against {
+                Some(against) => {
+                    let points: Vec<[f64; 2]> =
+                        samples.iter().map(|(t, y)| [*t, *y]).filter(|[_, y]| y.is_finite()).collect();
+                    Fit::of(&against.points, &points, None).map(|fit| fit.r_squared)
+                }
+                None => measure.take.of(&samples),
+            };
+            match taken {
                 Ok(value) if value.is_nan() => Err("what was measured is not a number".to_owned()),
                 taken => taken,
             }
@@ -114,7 +122,7 @@ fn samples(results: &Results, source: &Source) -> Vec<(f64, f64)> {
 /// The points that a figure shows of a run.
 fn curve(results: &Results, drawn: &Drawn) -> Result<Vec<[f64; 2]>, LogError> {
     match drawn {
-        Drawn::Measures => Ok(Vec::new()),
+        Drawn::Measures | Drawn::Frames => Ok(Vec::new()),
         Drawn::Series(source) => Ok(samples(results, source).into_iter().map(|(time, value)| [time, value]).collect()),
         Drawn::Surface(phase, at) => {
             let Some(number) = results.nearest_frame(PARTICLES, *at) else { return Ok(Vec::new()) };
@@ -122,6 +130,41 @@ fn curve(results: &Results, drawn: &Drawn) -> Result<Vec<[f64; 2]>, LogError> {
             let surface = |frame| upper_surface(&frame, *phase, facts.dimension, facts.spacing);
             Ok(frame.map_or_else(Vec::new, surface))
         }
+    }
+}
+
+/// What was asked for of a measure, and what came out.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Asked<'a> {
+    /// Name of the measure.
+    pub name: &'a str,
+    /// Its unit.
+    pub unit: &'a str,
+    /// Least and greatest value.
+    pub range: (f64, f64),
+    /// What the last run that is done has.
+    pub value: Option<f64>,
+    /// Whether it counts: nothing is judged by coarse runs.
+    pub is_judged: bool,
+}
+
+impl Asked<'_> {
+    /// Whether it counts and the value is not there or not in the range.
+    #[must_use]
+    pub fn is_missed(&self) -> bool {
+        self.is_judged && !self.value.is_some_and(|value| (self.range.0..=self.range.1).contains(&value))
+    }
+
+    /// Name, least and greatest value, value and verdict, for a table in Markdown.
+    #[must_use]
+    pub fn cells(&self) -> [String; 5] {
+        let verdict = match (self.is_judged, self.is_missed()) {
+            (false, _) => "not judged: coarse",
+            (_, true) => "**missed**",
+            _ => "met",
+        };
+        let seen = self.value.map_or_else(|| "–".to_owned(), short);
+        [labelled(self.name, self.unit), short(self.range.0), short(self.range.1), seen, verdict.to_owned()]
     }
 }
 
@@ -211,13 +254,20 @@ impl Table<'_> {
     /// # Errors
     /// It cannot be written.
     pub fn write_markdown(&self, path: &Path, figures: &[String]) -> Result<(), UserError> {
-        replace(path, self.markdown(figures).as_bytes()).map_err(|error| unwritable(path, &error))
+        let text = self.markdown("#", "", figures);
+        replace(path, text.as_bytes()).map_err(|error| unwritable(path, &error))
     }
 
-    fn markdown(&self, figures: &[String]) -> String {
+    /// The page of the study: its title behind `level`, text, table, what was asked for, and `figures`, which lie below `folder`.
+    #[must_use]
+    pub fn markdown(&self, level: &str, folder: &str, figures: &[String]) -> String {
         let study = &self.plan.study;
         let title = if study.title.is_empty() { "A study" } else { &study.title };
-        let mut text = format!("# {title}\n\nScene: `{}`", study.scene.display());
+        let mut text = format!("{level} {title}\n\n");
+        if !study.text.is_empty() {
+            let _ = write!(text, "{}\n\n", study.text.trim());
+        }
+        let _ = write!(text, "Scene: `{}`", study.scene.display());
         if let Some(until) = study.until {
             let _ = write!(text, ", to t = {until} s");
         }
@@ -229,6 +279,7 @@ impl Table<'_> {
                 let _ = writeln!(text, "|{}", "---|".repeat(line.len()));
             }
         }
+        text += &self.verdicts();
         let notes = self.plan.runs.iter().zip(self.rows).map(|(run, row)| (&run.name, row.note(self.plan)));
         let notes: Vec<_> = notes.filter(|(_, note)| !note.is_empty()).collect();
         if !notes.is_empty() {
@@ -238,9 +289,33 @@ impl Table<'_> {
             let _ = writeln!(text, "- `{name}`: {note}");
         }
         for figure in figures {
-            let _ = write!(text, "\n![{figure}]({figure})\n");
+            let _ = write!(text, "\n![{}]({folder}{figure})\n", figure.replace('_', " ").trim_end_matches(".png"));
         }
         text
+    }
+
+    /// What was asked for of the last run that is done, and whether it was met.
+    #[must_use]
+    pub fn asked(&self) -> Vec<Asked<'_>> {
+        let study = &self.plan.study;
+        let asked = study.measures.iter().enumerate().filter_map(|(m, measure)| {
+            let value = self.rows.iter().rev().find(|row| matches!(row, Row::Done(..))).and_then(|row| row.measure(m));
+            let unit = self.plan.measures[m].unit.as_str();
+            Some(Asked { name: &measure.name, unit, range: measure.asked?, value, is_judged: !study.is_coarse })
+        });
+        asked.collect()
+    }
+
+    /// [`asked`](Self::asked) in Markdown.
+    fn verdicts(&self) -> String {
+        let lines = self.asked().into_iter().map(|asked| format!("| {} |\n", asked.cells().join(" | ")));
+        let lines: String = lines.collect();
+        if lines.is_empty() {
+            return lines;
+        }
+        format!(
+            "\n| asked of the last run that is done | at least | at most | seen | |\n|---|---|---|---|---|\n{lines}"
+        )
     }
 }
 

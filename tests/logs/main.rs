@@ -5,6 +5,7 @@ mod failures;
 mod figures;
 mod forces;
 mod recover;
+mod runout;
 
 #[path = "../support/program.rs"]
 mod program;

@@ -3,6 +3,7 @@
 mod mistakes;
 mod stopped;
 mod table;
+mod validate;
 
 #[path = "../support/program.rs"]
 mod program;

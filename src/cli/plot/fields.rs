@@ -32,7 +32,7 @@ pub(in crate::cli) struct Snapshot {
     pub bodies: Vec<Frame>,
 }
 
-fn scenes(results: &Results, times: &[f64]) -> Result<Vec<Snapshot>, UserError> {
+pub(in crate::cli) fn scenes(results: &Results, times: &[f64]) -> Result<Vec<Snapshot>, UserError> {
     let numbers = numbers(results, PARTICLES, times)?;
     let unreadable = |error: crate::log::LogError| UserError::plain(error.to_string());
     let mut scenes = Vec::new();

@@ -1,7 +1,7 @@
 //! `storegga plot`.
 
 pub(super) mod fields;
-mod profiles;
+pub(super) mod profiles;
 mod reference;
 mod series;
 

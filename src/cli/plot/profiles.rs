@@ -19,7 +19,7 @@ enum Profile<'a> {
     Line(&'a str, usize, f64),
 }
 
-/// Draws `surface:<phase>`, or `<field>:<axis>=<coordinate>`, at every wanted time.
+/// Draws a profile at every wanted time.
 pub(super) fn draw(
     results: &Results,
     args: &PlotArgs,
@@ -27,11 +27,20 @@ pub(super) fn draw(
     reference: Option<&Reference>,
     out: &Out,
 ) -> Result<(), UserError> {
+    let mut figure = figure(results, wanted, &args.at)?;
+    if let Some(reference) = reference {
+        reference.add_to(&mut figure, args.points)?;
+    }
+    out.write(wanted, &figure)
+}
+
+/// The figure of `surface:<phase>`, or `<field>:<axis>=<coordinate>`, at `times` (s).
+pub(in crate::cli) fn figure(results: &Results, wanted: &str, times: &[f64]) -> Result<LineFigure, UserError> {
     let profile = parse(results, wanted)?;
     let facts = &results.facts;
     let up = vertical_axis(facts.dimension);
     let mut figure = LineFigure { title: facts.title.clone(), ..LineFigure::default() };
-    for number in numbers(results, PARTICLES, &args.at)? {
+    for number in numbers(results, PARTICLES, times)? {
         let frame = results.frame(PARTICLES, number).map_err(|error| UserError::plain(error.to_string()))?;
         let Some(frame) = frame else { continue };
         let (axes, points) = match &profile {
@@ -44,10 +53,7 @@ pub(super) fn draw(
         figure.axes = axes;
         figure.curves.push(Curve { name: format!("t = {} s", short(frame.time)), points, ..Curve::default() });
     }
-    if let Some(reference) = reference {
-        reference.add_to(&mut figure, args.points)?;
-    }
-    out.write(wanted, &figure)
+    Ok(figure)
 }
 
 fn parse<'a>(results: &Results, wanted: &'a str) -> Result<Profile<'a>, UserError> {

@@ -1,0 +1,120 @@
+//! Studies beside measurements, and the page of all of them.
+
+use std::fs;
+
+use serde_json::Value;
+
+use crate::program::{Folder, assert_parts, messages};
+use crate::{GRID, NAMES};
+
+/// [`GRID`] with more lines among its measures and among its figures.
+fn with(measures: &str, figures: &str) -> String {
+    GRID.replace("    measures: [", &format!("    measures: [{measures}"))
+        .replace("    figures: [", &format!("    figures: [{figures}"))
+}
+
+/// What is compared with one of its own runs is the same as it, and nothing is run again for it.
+#[test]
+fn r_squared_is_one_beside_itself_and_less_beside_others() {
+    let folder = Folder::with_study("against", GRID);
+    folder.study(&[]).ended_with(0);
+    let told = messages(&folder.log(NAMES[0])).into_iter().filter(|(topic, ..)| topic == "/energy");
+    let rows = told.map(|(.., data)| serde_json::from_slice::<Value>(&data).unwrap());
+    let rows: String = rows.map(|value| format!("{},{}\n", value["time"], value["kinetic"])).collect();
+    folder.write("measured.csv", format!("time,kinetic\n{rows}"));
+    let against = r#"(name: "fit", of: "energy.kinetic", against: (file: "measured.csv", x: "time", y: "kinetic")),"#;
+    let beside = r#"
+        Series(of: "energy.kinetic", beside: [(file: "measured.csv", x: "time", y: "kinetic", name: "measured")]),
+        Measure(of: "fit", over: "greatest kinetic energy"),
+        Field(of: "pressure", at: [0.02, 0.05], arrows: true),
+        Profile(of: "pressure:x=0.1", at: [0.05]),"#;
+    folder.write("study.ron", with(against, beside));
+    let ran = folder.study(&[]);
+    ran.ended_with(0);
+    assert_parts(&ran.err(), &["4 runs, 4 done before, 0 to do"]);
+    let table = folder.table();
+    let fit = |name: &str| table[name]["fit"].parse::<f64>().unwrap();
+    assert!((fit(NAMES[0]) - 1.0).abs() < 1e-12, "{}", fit(NAMES[0]));
+    assert!(NAMES[1..].iter().all(|name| fit(name) < 0.999));
+    for name in ["1_energy.kinetic", "2_fit_over_greatest_kinetic_energy", "3_pressure"] {
+        assert!(folder.path(&format!("runs/study/figure_{name}.png")).is_file(), "{name}");
+    }
+}
+
+#[test]
+fn the_page_shows_what_is_met_and_what_is_missed() {
+    // 20 kg/m of water.
+    let asked = |least: f64, greatest: f64| {
+        with(&format!(r#"(name: "weighed", of: "energy.mass", asked: ({least:?}, {greatest:?})),"#), "")
+    };
+    let folder = Folder::with_study("page", &asked(19.9, 20.1));
+    folder.write("other.ron", asked(30.0, 31.0).replace("A family of tanks", "Another family"));
+    let validate = |more: &[&str]| {
+        folder.run(&[&["validate", "study.ron", "other.ron", "--threads", "1", "--page", "page.md"], more].concat())
+    };
+    validate(&[]).ended_with(1);
+    let page = fs::read_to_string(folder.path("page.md")).unwrap();
+    assert_parts(&page, &["# Validation", "## A family of tanks", "## Another family"]);
+    let verdict = |title: &str| {
+        let line = page.lines().find(|line| line.starts_with(&format!("| {title} | weighed (kg)")));
+        line.unwrap_or_else(|| panic!("{title} in {page}")).to_owned()
+    };
+    assert!(verdict("A family of tanks").ends_with("| met |"));
+    assert!(verdict("Another family").ends_with("| **missed** |"));
+    let figures: Vec<&str> =
+        page.lines().filter_map(|line| line.strip_prefix("![")?.split_once("](")?.1.strip_suffix(')')).collect();
+    assert_eq!(figures.len(), 6);
+    assert!(figures.iter().all(|figure| folder.path(figure).is_file()), "{figures:?}");
+
+    let coarse = "    coarse: Grid({\"spacing\": [0.05]}),\n    measures: [";
+    folder.write(
+        "other.ron",
+        asked(30.0, 31.0).replace("    measures: [", coarse).replace(
+            "        Measure(of: \"greatest kinetic energy\", over: \"phases.water.rheology.viscosity\"),\n",
+            "",
+        ),
+    );
+    let ran = validate(&["--coarse", "--out", "runs/coarse"]);
+    ran.ended_with(0);
+    let page = fs::read_to_string(folder.path("page.md")).unwrap();
+    assert_parts(&page, &["not judged: coarse", "| met |"]);
+    assert!(!page.contains("missed"));
+}
+
+#[test]
+fn mistakes_are_named_in_their_place() {
+    for (name, measures, figures, part) in [
+        (
+            "take",
+            r#"(name: "f", of: "energy.mass", take: Max, against: (file: "a.csv", x: "t", y: "y")),"#,
+            "",
+            "leave `take` out",
+        ),
+        (
+            "file",
+            r#"(name: "f", of: "energy.mass", against: (file: "a.csv", x: "t", y: "y")),"#,
+            "",
+            "a.csv cannot be read",
+        ),
+        ("order", r#"(name: "f", of: "energy.mass", asked: (2.0, 1.0)),"#, "", "the least value comes first"),
+        ("late", "", r#"Field(of: "pressure", at: [7.0]),"#, "7 s lies outside the run"),
+        (
+            "beside",
+            "",
+            r#"Series(of: "energy.mass", beside: [(file: "b.csv", x: "t", y: "y")]),"#,
+            "b.csv cannot be read",
+        ),
+    ] {
+        let folder = Folder::with_study(&format!("wrong-{name}"), &with(measures, figures));
+        folder.study(&[]).is_refused_with(&["study.ron:", part]);
+    }
+    let folder = Folder::with_study(
+        "wrong-column",
+        &with("", r#"Series(of: "energy.mass", beside: [(file: "c.csv", x: "tme", y: "y")]),"#),
+    );
+    folder.write("c.csv", "time,y\n0,1\n");
+    folder.study(&[]).is_refused_with(&["study.ron:", "did you mean `time`?"]);
+    let folder = Folder::new("wrong-folder");
+    fs::create_dir(folder.path("empty")).unwrap();
+    folder.run(&["validate", "empty"]).is_refused_with(&["there is no study"]);
+}
