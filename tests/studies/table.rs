@@ -53,7 +53,7 @@ fn people_get_a_table_and_figures() {
     assert_parts(&ran.out(), &["viscosity (Pa s)", "done", "runs/study/table.csv"]);
     assert_parts(&ran.err(), &["4 runs, 0 done before, 4 to do", "[4/4]"]);
     let figures: Vec<&str> =
-        page.lines().filter_map(|line| line.strip_prefix("![")?.split_once(']')).map(|(name, _)| name).collect();
+        page.lines().filter_map(|line| line.strip_prefix("![")?.split_once("](")?.1.strip_suffix(')')).collect();
     assert_eq!(figures.len(), 3);
     for figure in &figures {
         assert!(fs::read(folder.path(&format!("runs/study/{figure}"))).unwrap().starts_with(b"\x89PNG"));

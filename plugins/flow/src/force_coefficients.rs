@@ -28,8 +28,9 @@ pub struct ForceCoefficients {
     /// Frontal width D (m) in 2D, frontal area A (m²) in 3D.
     #[schemars(extend("unit" = "m; m² in 3D", "exclusiveMinimum" = 0.0))]
     pub frontal: f64,
-    /// Phase that flows past, for the Reynolds number; without it there is none.
+    /// Phase that flows past, for the Reynolds number.
     #[serde(default)]
+    #[schemars(extend("derived" = "no Reynolds number"))]
     pub phase: Option<String>,
     #[serde(skip)]
     reynolds: Option<f64>,
