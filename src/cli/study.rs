@@ -77,7 +77,7 @@ fn carried_out(plan: Plan, place: &Place, shares: &Shares, how: &How, stop: &Sto
     let _lock = take_folder(&place.folder, plan.study.text())?;
     let mut rows = vec![Row::Waiting; plan.runs.len()];
     let tasks = tasks(&plan, place, how, &mut rows)?;
-    let wrong = run(&plan, tasks, place, shares, how.quiet, stop, &mut rows)?;
+    let wrong = !how.no_run && run(&plan, tasks, place, shares, how.quiet, stop, &mut rows)?;
     let mut figures = write_figures(&plan, &rows, &place.folder)?;
     figures.extend(study_frames::write(&plan, &rows, place)?);
     let table = Table { plan: &plan, rows: &rows };
@@ -86,7 +86,7 @@ fn carried_out(plan: Plan, place: &Place, shares: &Shares, how: &How, stop: &Sto
     if !how.quiet {
         say(&shown(&table, &place.folder, &figures));
     }
-    let code = code(&rows, wrong, stop);
+    let code = code(&rows, wrong, how.no_run, stop);
     Ok(Done { plan, rows, figures, code })
 }
 
@@ -265,9 +265,10 @@ fn row(plan: &Plan, run: usize, log: &Path, ended: Ended, stop: &StopFlag) -> Re
     }
 }
 
-fn code(rows: &[Row], is_refused: bool, stop: &StopFlag) -> u8 {
+/// `is_left`: whether nothing was to be run.
+fn code(rows: &[Row], is_refused: bool, is_left: bool, stop: &StopFlag) -> u8 {
     let any = |is: fn(&Row) -> bool| rows.iter().any(is);
-    if stop.is_set() || any(|row| matches!(row, Row::Interrupted)) {
+    if stop.is_set() || (!is_left && any(|row| matches!(row, Row::Interrupted))) {
         exit::INTERRUPTED
     } else if is_refused {
         exit::WRONG_INPUT

@@ -53,6 +53,9 @@ pub(super) struct How {
     /// Run everything again, also what is done.
     #[arg(long)]
     pub again: bool,
+    /// Run nothing: make table, figures and page of what is done.
+    #[arg(long, conflicts_with = "again")]
+    pub no_run: bool,
     /// Seconds of real time between the checkpoints of a run.
     #[arg(long, value_name = "SECONDS", default_value_t = 300.0, value_parser = wall_seconds)]
     pub checkpoint_every_wall: f64,
@@ -67,6 +70,7 @@ pub(super) struct How {
 Examples:
   storegga validate --coarse
   storegga validate --page docs/validation.md
+  storegga validate --no-run --page docs/validation.md
   storegga validate studies/zhou_teng.ron --out /data/validation
 
 Runs studies, one after the other, and writes one page of all: what each shows, its numbers beside what was asked for, its figures. What

@@ -66,6 +66,13 @@ fn the_page_shows_what_is_met_and_what_is_missed() {
     assert_eq!(figures.len(), 6);
     assert!(figures.iter().all(|figure| folder.path(figure).is_file()), "{figures:?}");
 
+    // What is done is enough for the page; nothing is run for it.
+    fs::remove_file(folder.path(&format!("runs/validation/other/{}.mcap", NAMES[3]))).unwrap();
+    validate(&["--no-run"]).ended_with(1);
+    let page = fs::read_to_string(folder.path("page.md")).unwrap();
+    assert_parts(&page, &["| not run |", "## Another family"]);
+    assert!(!folder.path(&format!("runs/validation/other/{}.mcap", NAMES[3])).exists());
+
     let coarse = "    coarse: Grid({\"spacing\": [0.05]}),\n    measures: [";
     folder.write(
         "other.ron",

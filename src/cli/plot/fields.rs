@@ -128,10 +128,24 @@ fn scale(panels: &[Panel], label: String, name: &str, range: Option<(f64, f64)>)
 /// Spacings of bodies that are shown around the fluid.
 const RIM: f64 = 4.8;
 
-/// What is shown: the fluid of all times, and a rim.
+/// Bodies are shown whole along an axis unless they make the picture so many times as long.
+const MOST_STRETCH: f64 = 1.6;
+
+/// What is shown: the fluid of all times and a rim, and bodies where they are not much longer.
 fn bounds(scenes: &[Snapshot], view: View, spacing: f64) -> [(f64, f64); 2] {
+    let fluid = extent(scenes.iter().map(|scene| &scene.fluid), view, spacing);
+    let bodies = extent(scenes.iter().flat_map(|scene| &scene.bodies), view, 0.0);
+    std::array::from_fn(|axis| {
+        let ((least, greatest), (low, high)) = (fluid[axis], bodies[axis]);
+        let both = (least.min(low), greatest.max(high));
+        if both.1 - both.0 <= MOST_STRETCH * (greatest - least) { both } else { fluid[axis] }
+    })
+}
+
+/// Where the particles of `frames` are, and a rim where there are any.
+fn extent<'a>(frames: impl Iterator<Item = &'a Frame>, view: View, spacing: f64) -> [(f64, f64); 2] {
     let mut bounds = [(f64::INFINITY, f64::NEG_INFINITY); 2];
-    for place in scenes.iter().flat_map(|scene| scene.fluid.positions()) {
+    for place in frames.flat_map(Frame::positions) {
         for (bound, x) in bounds.iter_mut().zip(view.flat(place)).filter(|(_, x)| x.is_finite()) {
             *bound = (bound.0.min(x), bound.1.max(x));
         }
