@@ -21,9 +21,12 @@
 //! | 15 pressure of ghosts | `physics/ghost_pressure.rs` |
 //! | 16 velocity of ghosts | `physics/ghost_velocity.rs` |
 //! | – walls stop what comes too near | `physics/wall_impact.rs` |
+//! | – what is under tension does not clump | `physics/tensile_control.rs` |
+//! | – particles go where they are sparse | `physics/shifting.rs` |
 //! | 17, 18 force on structures | `boundary/loads.rs` |
 //! | 19 time step | `physics/time_step.rs` |
 //! | 20, 21 error norm | `probes/pressure_error.rs` |
+//! | 22 goodness of fit | `results/fit.rs` |
 //! | – books of energy, momentum, mass | `books/` |
 //! | – when a run has diverged | `physics/divergence/` |
 //!
