@@ -3,7 +3,6 @@
 use super::plot::{fields, profiles};
 use super::view_args::Look;
 use crate::error::UserError;
-use crate::figures::Marks;
 use crate::results::Results;
 use crate::study::{FigureSpec, Place, Plan, Row, write_figure};
 
@@ -27,7 +26,7 @@ pub(super) fn write(plan: &Plan, rows: &[Row], place: &Place) -> Result<Vec<Stri
             }
             FigureSpec::Profile { of, at, beside } => {
                 let mut drawn = profiles::figure(&results, of, at)?;
-                drawn.curves.extend(beside.iter().map(|beside| beside.curve(Marks::Rings)));
+                drawn.curves.extend(beside.iter().map(|beside| beside.curve(false)));
                 names.push(write_figure(k, of, &drawn, &place.folder)?);
             }
             _ => {}

@@ -21,6 +21,9 @@ pub struct Beside {
     /// What it is called in a figure; by default the name of the file.
     #[serde(default)]
     pub name: String,
+    /// Whether it is drawn as a dashed line: what was computed. By default measurements are rings, and laws beside measures dashed.
+    #[serde(default)]
+    pub is_line: Option<bool>,
     /// Its points; none before it has been read.
     #[serde(skip)]
     pub points: Vec<[f64; 2]>,
@@ -46,8 +49,9 @@ impl Beside {
         Ok(())
     }
 
-    /// The curve in a figure.
-    pub(crate) fn curve(&self, marks: Marks) -> Curve {
+    /// The curve in a figure; as a dashed line if it does not say otherwise and `usually_line`.
+    pub(crate) fn curve(&self, usually_line: bool) -> Curve {
+        let marks = if self.is_line.unwrap_or(usually_line) { Marks::Dashes } else { Marks::Rings };
         Curve { name: self.name.clone(), points: self.points.clone(), marks }
     }
 }

@@ -35,8 +35,8 @@ pub fn write_figures(plan: &Plan, rows: &[Row], folder: &Path) -> Result<Vec<Str
         if figure.curves.iter().all(|curve| curve.points.is_empty()) {
             continue;
         }
-        let marks = if matches!(spec, FigureSpec::Measure { .. }) { Marks::Dashes } else { Marks::Rings };
-        figure.curves.extend(spec.beside().iter().map(|beside| beside.curve(marks)));
+        let usually_line = matches!(spec, FigureSpec::Measure { .. });
+        figure.curves.extend(spec.beside().iter().map(|beside| beside.curve(usually_line)));
         names.push(write_figure(k, &name, &figure, folder)?);
     }
     Ok(names)
