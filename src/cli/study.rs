@@ -80,6 +80,8 @@ fn carried_out(plan: Plan, place: &Place, shares: &Shares, how: &How, stop: &Sto
     let wrong = !how.no_run && run(&plan, tasks, place, shares, how.quiet, stop, &mut rows)?;
     let mut figures = write_figures(&plan, &rows, &place.folder)?;
     figures.extend(study_frames::write(&plan, &rows, place)?);
+    figures.sort();
+    let figures: Vec<String> = figures.into_iter().map(|(_, name)| name).collect();
     let table = Table { plan: &plan, rows: &rows };
     table.write_csv(&place.folder.join("table.csv"))?;
     table.write_markdown(&place.folder.join("table.md"), &figures)?;

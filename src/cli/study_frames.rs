@@ -6,8 +6,9 @@ use crate::error::UserError;
 use crate::results::Results;
 use crate::study::{FigureSpec, Place, Plan, Row, write_figure};
 
-/// Writes fields and profiles as PNG and SVG into the folder of the study. Returns the names of the PNG files.
-pub(super) fn write(plan: &Plan, rows: &[Row], place: &Place) -> Result<Vec<String>, UserError> {
+/// Writes fields and profiles as PNG and SVG into the folder of the study. Returns numbers of figures and names of
+/// their PNG files.
+pub(super) fn write(plan: &Plan, rows: &[Row], place: &Place) -> Result<Vec<(usize, String)>, UserError> {
     let mut names = Vec::new();
     let Some(last) = rows.iter().rposition(|row| matches!(row, Row::Done(..))) else { return Ok(names) };
     let wanted = plan.study.figures.iter().enumerate();
@@ -22,12 +23,12 @@ pub(super) fn write(plan: &Plan, rows: &[Row], place: &Place) -> Result<Vec<Stri
             FigureSpec::Field { of, at, arrows } => {
                 let look = Look { arrows: *arrows, range: None, view: None };
                 let drawn = fields::figure(&results, &fields::scenes(&results, at)?, of, look)?;
-                names.push(write_figure(k, of, &drawn, &place.folder)?);
+                names.push((k, write_figure(k, of, &drawn, &place.folder)?));
             }
             FigureSpec::Profile { of, at, beside } => {
                 let mut drawn = profiles::figure(&results, of, at)?;
                 drawn.curves.extend(beside.iter().map(|beside| beside.curve(false)));
-                names.push(write_figure(k, of, &drawn, &place.folder)?);
+                names.push((k, write_figure(k, of, &drawn, &place.folder)?));
             }
             _ => {}
         }

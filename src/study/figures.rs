@@ -12,12 +12,13 @@ use crate::number::short;
 /// Formats of figures, by the endings of their files.
 const FORMATS: [&str; 2] = ["png", "svg"];
 
-/// Draws the figures of a study into `folder`, as PNG and SVG, as far as its runs are done. Returns the names of the PNG files.
+/// Draws the figures of a study into `folder`, as PNG and SVG, as far as its runs are done. Returns numbers of
+/// figures and names of their PNG files.
 ///
 /// # Errors
 /// A file cannot be written.
-pub fn write_figures(plan: &Plan, rows: &[Row], folder: &Path) -> Result<Vec<String>, UserError> {
-    let mut names: Vec<String> = Vec::new();
+pub fn write_figures(plan: &Plan, rows: &[Row], folder: &Path) -> Result<Vec<(usize, String)>, UserError> {
+    let mut names = Vec::new();
     for (k, spec) in plan.study.figures.iter().enumerate() {
         let (name, mut figure) = match (spec, &plan.drawn[k]) {
             (FigureSpec::Measure { of, over, by, .. }, _) => {
@@ -37,7 +38,7 @@ pub fn write_figures(plan: &Plan, rows: &[Row], folder: &Path) -> Result<Vec<Str
         }
         let usually_line = matches!(spec, FigureSpec::Measure { .. });
         figure.curves.extend(spec.beside().iter().map(|beside| beside.curve(usually_line)));
-        names.push(write_figure(k, &name, &figure, folder)?);
+        names.push((k, write_figure(k, &name, &figure, folder)?));
     }
     Ok(names)
 }
