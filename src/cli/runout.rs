@@ -11,21 +11,31 @@ use crate::error::UserError;
 use crate::figures::{Curve, LineFigure, Marks};
 use crate::number::short;
 use crate::replace::replace;
-use crate::results::{BULK, COLUMN, Envelope, Extent, Frame, PARTICLES, Results, center_height, upper_surface};
+use crate::results::{BODIES, BULK, COLUMN, Envelope, Extent, Frame, PARTICLES, Results, center_height, upper_surface};
 
 /// Says how far a phase has come, what it leaves, and how high the water stood.
 pub(super) fn runout(args: &RunoutArgs) -> Result<ExitCode, UserError> {
     let results = open(&args.log)?;
     let phase = phase(&results, args.phase.as_deref())?;
-    let direction = args.direction.unwrap_or([1.0, 0.0, 0.0]);
-    let length = direction.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let seen = Seen::of(&results, phase, direction.map(|x| x / length))?;
+    let direction = direction(args, &results)?;
+    let seen = Seen::of(&results, phase, direction)?;
     let name = results.facts.phases.get(phase).map_or("fluid", String::as_str);
     say(&told(args, &results, name, &seen));
     let out = Out { folder: args.out.clone().unwrap_or_else(|| default_folder(&args.log)), format: args.format };
     out.make()?;
     write(&results, name, &seen, &out)?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// The unit vector along which it slides, in the plane or in space.
+fn direction(args: &RunoutArgs, results: &Results) -> Result<[f64; 3], UserError> {
+    let mut direction = args.direction.unwrap_or([1.0, 0.0, 0.0]);
+    direction[results.facts.dimension.min(3)..].fill(0.0);
+    let length = direction.iter().map(|x| x * x).sum::<f64>().sqrt();
+    if !length.is_normal() {
+        return Err(UserError::plain("--direction: expected a direction in the plane of the log, such as 1,0"));
+    }
+    Ok(direction.map(|x| x / length))
 }
 
 /// The phase called `name`, or the only one.
@@ -140,6 +150,12 @@ fn told(args: &RunoutArgs, results: &Results, name: &str, seen: &Seen) -> String
                 short(time)
             ));
         }
+    }
+    if columns().next().is_none() {
+        told.push_str("  there is no wave elevation: no column is left between the walls\n");
+    }
+    if BODIES.iter().any(|topic| results.frame_times(topic).len() > 1) {
+        told.push_str("  careful: walls or structures move; where they pass, elevations hold the volume that they take or leave\n");
     }
     told.push_str(&format!(
         "  elevations are those of columns {} spacings wide, in the frames of the log\n",

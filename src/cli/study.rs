@@ -79,7 +79,18 @@ fn carried_out(plan: Plan, place: &Place, shares: &Shares, how: &How, stop: &Sto
     let tasks = tasks(&plan, place, how, &mut rows)?;
     let wrong = !how.no_run && run(&plan, tasks, place, shares, how.quiet, stop, &mut rows)?;
     let mut figures = write_figures(&plan, &rows, &place.folder)?;
-    figures.extend(study_frames::write(&plan, &rows, place)?);
+    // Whatever becomes of a figure, the table is written.
+    let frames = study_frames::write(&plan, &rows, place);
+    let wrong = match frames {
+        Ok(frames) => {
+            figures.extend(frames);
+            wrong
+        }
+        Err(error) => {
+            exit::report(&error);
+            true
+        }
+    };
     figures.sort();
     let figures: Vec<String> = figures.into_iter().map(|(_, name)| name).collect();
     let table = Table { plan: &plan, rows: &rows };

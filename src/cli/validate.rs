@@ -13,15 +13,20 @@ use super::study::{Done, done};
 use super::study_args::ValidateArgs;
 use crate::error::UserError;
 use crate::replace::replace;
-use crate::study::Table;
+use crate::study::{Row, Study, Table, escaped};
 
 /// Runs studies and writes one page of what came out of all of them.
 pub(super) fn validate<P: PluginGroup>(args: &ValidateArgs, plugins: fn() -> P) -> Result<ExitCode, UserError> {
     let stop = exit::stop_on_interrupt();
     let page = args.page.clone().unwrap_or_else(|| args.out.join("validation.md"));
+    if page.extension().is_none_or(|extension| extension != "md") || figure_folder(&page) == args.out {
+        let message = format!("{} cannot be the page", page.display());
+        return Err(UserError::plain(message)
+            .help("its name ends in .md, and the folder of that name beside it is for its figures"));
+    }
+    let files = studies(&args.studies, args.how.coarse)?;
     let (mut sections, mut code) = (Vec::new(), 0);
-    for file in studies(&args.studies)? {
-        let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    for (name, file) in files {
         if !args.how.quiet {
             complain(&format!("{}\n", file.display()));
         }
@@ -32,21 +37,23 @@ pub(super) fn validate<P: PluginGroup>(args: &ValidateArgs, plugins: fn() -> P) 
             break;
         }
     }
+    if stop.is_set() {
+        complain("The page is written when everything is done, or with --no-run.\n");
+        return Ok(ExitCode::from(exit::INTERRUPTED));
+    }
     for (name, done) in &sections {
         copy_figures(&args.out.join(name), &figure_folder(&page).join(name), &done.figures)?;
     }
     let text = written(&sections, &page);
     replace(&page, text.as_bytes()).map_err(|error| unwritable(&page, &error))?;
     say(&format!("{}\n", page.display()));
-    if stop.is_set() {
-        return Ok(ExitCode::from(exit::INTERRUPTED));
-    }
     let is_missed = sections.iter().any(|(_, done)| is_missed(done));
     Ok(ExitCode::from(if code == 0 && is_missed { exit::FAILED } else { code }))
 }
 
-/// The study files that are meant: those that are named, and those in folders, by name.
-fn studies(named: &[PathBuf]) -> Result<Vec<PathBuf>, UserError> {
+/// The study files that are meant, each with its name: those that are named, and those in folders, by name. All of them are read, so that
+/// a mistake in the last is told before the first runs.
+fn studies(named: &[PathBuf], is_coarse: bool) -> Result<Vec<(String, PathBuf)>, UserError> {
     let mut files = Vec::new();
     for path in named {
         if !path.is_dir() {
@@ -66,7 +73,21 @@ fn studies(named: &[PathBuf]) -> Result<Vec<PathBuf>, UserError> {
         found.sort();
         files.append(&mut found);
     }
-    Ok(files)
+    let mut studies: Vec<(String, PathBuf)> = Vec::new();
+    for file in files {
+        Study::read(&file, is_coarse)?;
+        let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        if let Some((_, other)) = studies.iter().find(|(known, _)| *known == name) {
+            let message = format!(
+                "{} and {} have one name: their runs would go into one folder",
+                other.display(),
+                file.display()
+            );
+            return Err(UserError::plain(message));
+        }
+        studies.push((name, file));
+    }
+    Ok(studies)
 }
 
 /// The worse of two exit codes: a mistake before an interruption, a failure, a divergence.
@@ -101,6 +122,11 @@ fn is_missed(done: &Done) -> bool {
     Table { plan: &done.plan, rows: &done.rows }.asked().iter().any(|asked| asked.is_missed())
 }
 
+/// The title of a study, or the name of its file.
+fn title<'a>(name: &'a str, done: &'a Done) -> &'a str {
+    if done.plan.study.title.is_empty() { name } else { &done.plan.study.title }
+}
+
 /// The page.
 fn written(sections: &[(String, Done)], page: &Path) -> String {
     let mut text = format!(
@@ -109,11 +135,24 @@ fn written(sections: &[(String, Done)], page: &Path) -> String {
          | case | asked of the last run that is done | at least | at most | seen | |\n|---|---|---|---|---|---|\n",
         env!("CARGO_PKG_VERSION")
     );
-    for (_, done) in sections {
+    for (name, done) in sections {
         let table = Table { plan: &done.plan, rows: &done.rows };
         for asked in table.asked() {
-            let _ = writeln!(text, "| {} | {} |", done.plan.study.title, asked.cells().join(" | "));
+            let _ = writeln!(text, "| {} | {} |", escaped(title(name, done)), asked.cells().join(" | "));
         }
+    }
+    text += "\n| study | runs | done | diverged or failed | not done |\n|---|---|---|---|---|\n";
+    for (name, done) in sections {
+        let count = |is: fn(&Row) -> bool| done.rows.iter().filter(|row| is(row)).count();
+        let _ = writeln!(
+            text,
+            "| {} | {} | {} | {} | {} |",
+            escaped(title(name, done)),
+            done.rows.len(),
+            count(|row| matches!(row, Row::Done(..))),
+            count(|row| matches!(row, Row::Diverged(_) | Row::Failed(_))),
+            count(|row| matches!(row, Row::Waiting | Row::Interrupted)),
+        );
     }
     let folder = figure_folder(page);
     let folder = folder.file_name().unwrap_or_default().to_string_lossy();

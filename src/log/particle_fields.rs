@@ -39,6 +39,11 @@ impl ParticleFields {
         world.get_resource_or_init::<Self>().entries.push(ParticleField { field, is_used, read });
     }
 
+    /// Names of the fields that plugins registered.
+    pub fn names(&self) -> impl Iterator<Item = &'static str> {
+        self.entries.iter().map(|entry| entry.field.name)
+    }
+
     /// Drops the fields that this scene does not use; those that are left.
     pub fn choose(world: &mut World) -> Vec<PointField<'static>> {
         world.resource_scope(|world, mut own: Mut<Self>| {

@@ -9,7 +9,7 @@
 //! attraction becomes a push to where particles are sparse. [`momentum`](super::momentum()) has added up the sum of Eq. 6; this stage
 //! adds to the acceleration what is wanting, of either average of the pressures: that of `−2 p_i` and 0.
 //!
-//! **At the free surface** `Σ_j V_j ∇_iW_ij` is not small, and the sum of Eq. 6 stays. A particle is near it if particles with
+//! **At the free surface** `Σ_j V_j ∇_iW_ij` is not small, and the sum of Eq. 6 stays. A particle is at it if `φ_i < ¾`, and near it if particles with
 //! `φ_j < ¾` make more than a hundredth of its φ, as for [shifting](super::shift_particles).
 //!
 //! The price: these forces are not antisymmetric, so momentum is not kept to round-off where they act. The [books](crate::books) enter
@@ -144,11 +144,11 @@ pub fn tensile_control<const D: usize>(
         match momentum.pressure {
             PressureForm::VolumeWeighted => {
                 let term = MissingForce::<VolumeWeighted>(std::marker::PhantomData);
-                sum_where_tense(&Sweep::new(&neighbours, &*kernel.0, records, term), p, force);
+                sum_where_tense(&Sweep::new(&neighbours, &*kernel.0, records, term), (p, &at_surface), force);
             }
             PressureForm::DensityWeighted => {
                 let term = MissingForce::<DensityWeighted>(std::marker::PhantomData);
-                sum_where_tense(&Sweep::new(&neighbours, &*kernel.0, records, term), p, force);
+                sum_where_tense(&Sweep::new(&neighbours, &*kernel.0, records, term), (p, &at_surface), force);
             }
         }
         let each = acceleration.bypass_change_detection().par_iter_mut().zip(force).zip(m).with_min_len(PIECE);
@@ -160,7 +160,7 @@ pub fn tensile_control<const D: usize>(
 /// The force on every particle under tension that is not near the free surface.
 fn sum_where_tense<const D: usize, P: PressureAverage>(
     sweep: &Sweep<'_, D, MissingForce<P>>,
-    p: &[Pressure],
+    (p, at_surface): (&[Pressure], &[f64]),
     out: &mut [DVec3],
 ) {
     out.par_chunks_mut(PIECE).enumerate().for_each(|(piece, out)| {
@@ -171,7 +171,8 @@ fn sum_where_tense<const D: usize, P: PressureAverage>(
                 continue;
             }
             sweep.sum(first, particles, |k, sum| {
-                if p[first + k].0 < 0.0 && -sum.near_surface <= NEAR_SURFACE * D as f64 {
+                let is_away = at_surface[first + k] == 0.0 && -sum.near_surface <= NEAR_SURFACE * D as f64;
+                if p[first + k].0 < 0.0 && is_away {
                     out[start + k] = sum.force.into();
                 }
             });

@@ -38,12 +38,16 @@ impl Extent {
 /// Width (spacings) of the columns of [`Envelope`].
 pub const COLUMN: f64 = 4.0;
 
+/// Part of a column by which places in a log are rounded.
+const ROUNDING: f64 = 1e-4;
+
 /// Highest and lowest elevation of the free surface, column by column, over the frames of a run.
 ///
 /// The elevation of a column is the volume that it holds more than in the first frame, over its cross-section: `η_k = Σ_j (V_j w_k(x_j) −
 /// V_j⁰ w_k(x_j⁰))/A`, with w_k the hat functions of columns [`COLUMN`] spacings apart along x (and y in space). So it is exact to a fraction
-/// of a spacing, spray counts with its volume only, and a slide under the water is water that it displaced. Where a wall or structure
-/// moves through a column, it is taken for water that is missing.
+/// of a spacing, spray counts with its volume only, and a slide under the water is water that it displaced. Columns that a wall cuts at the ends
+/// of the fluid are left out. Where a wall or structure moves through a column, it is taken for water that is missing, and where it
+/// leaves one, for water that has come.
 ///
 /// `V_j = dp^d ρ_j⁰/ρ_j`: a particle fills its cell in the first frame.
 #[derive(Debug, Clone)]
@@ -88,9 +92,10 @@ impl Envelope {
             let places = frame.positions().map(|x| x[axis]);
             let (least, greatest) =
                 places.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
-            // Columns at the ends are cut by walls: those between count.
-            first[axis] = (least / width).floor() as i64 + 1;
-            count[axis] = ((greatest / width).ceil() as i64 - first[axis]).max(0) as usize;
+            // A column reaches to the middles of those beside it. Where that is beyond the fluid, it is cut by a wall.
+            let ends = [(least - 0.5 * spacing) / width, (greatest + 0.5 * spacing) / width];
+            first[axis] = (ends[0] - ROUNDING).ceil() as i64 + 1;
+            count[axis] = ((ends[1] + ROUNDING).floor() as i64 - first[axis]).max(0) as usize;
         }
         let extremes = vec![Extremes { highest: (0.0, frame.time), lowest: (0.0, frame.time) }; count[0] * count[1]];
         let mut envelope = Self { width, dimension, spacing, densities, first, count, start: Vec::new(), extremes };
@@ -153,7 +158,7 @@ impl Envelope {
     #[must_use]
     pub fn along_x(&self) -> [Vec<[f64; 2]>; 2] {
         let mut curves = [Vec::new(), Vec::new()];
-        for i in 0..self.count[0] {
+        for i in (0..self.count[0]).take_while(|_| !self.extremes.is_empty()) {
             let of_column = || self.extremes.iter().skip(i).step_by(self.count[0]);
             let x = (self.first[0] + i as i64) as f64 * self.width;
             curves[0].push([x, of_column().map(|e| e.highest.0).fold(f64::NEG_INFINITY, f64::max)]);
@@ -234,7 +239,22 @@ mod tests {
             }
         }
         let [highest, lowest] = envelope.along_x();
+        // 2 m are 25 columns of 0.08 m; the first and the last of those between the walls reach up to them.
         assert!(highest.len() == lowest.len() && highest.len() == 24);
+    }
+
+    /// Wherever the walls stand, no column that counts reaches beyond them.
+    #[test]
+    fn columns_that_a_wall_cuts_are_left_out() {
+        for offset in [0.0, 0.01, 0.035, 0.07] {
+            let moved = |up: f64| water(up, 1.0 / (1.0 + up), move |x, y| [x + offset, y]);
+            let mut envelope = Envelope::from(&moved(0.0), 2, SPACING);
+            envelope.enter(&moved(0.1));
+            for ([x, _], extremes) in envelope.columns() {
+                // A tenth more volume in every column.
+                assert!((extremes.highest.0 - 0.04).abs() < 1e-9, "{offset} m, at {x} m: {} m", extremes.highest.0);
+            }
+        }
     }
 
     #[test]

@@ -15,7 +15,7 @@ use crate::checkpoint::check_state;
 use crate::error::UserError;
 use crate::estimate::Estimate;
 use crate::expect::{Take, find_number};
-use crate::log::ParticleCounts;
+use crate::log::{FLUID_FIELDS, ParticleCounts, ParticleFields};
 use crate::phases::phases;
 use crate::probes::Series;
 use crate::scene::schema::{scene_schema, unit_at};
@@ -198,18 +198,20 @@ impl Plan {
         let mut drawn = |figure: &FigureSpec| match figure {
             FigureSpec::Measure { .. } => Ok(Drawn::Measures),
             FigureSpec::Series { of, .. } => source(world, of).map(Drawn::Series),
-            FigureSpec::Field { at, .. } | FigureSpec::Profile { at, .. } => {
-                let late = at.iter().enumerate().map(|(k, at)| (k, Take::At(*at).check_times(end_time)));
-                late.into_iter()
-                    .try_for_each(|(k, checked)| checked.map_err(|invalid| invalid.under(&format!("at.{k}"))))?;
-                Ok(Drawn::Frames)
+            FigureSpec::Field { of, at, .. } => {
+                quantity(world, of).and_then(|()| times(at, end_time)).map(|()| Drawn::Frames)
+            }
+            FigureSpec::Profile { of, at, .. } => {
+                let what = match of.split_once(':') {
+                    Some(("surface", name)) => phase(world, name).map(drop),
+                    Some((field, _)) => quantity(world, field),
+                    None => Err(Invalid::new("of", "expected surface:<phase>, or <field>:<axis>=<coordinate in m>")),
+                };
+                what.and_then(|()| times(at, end_time)).map(|()| Drawn::Frames)
             }
             FigureSpec::Surface { of, at } => {
                 Take::At(*at).check_times(end_time).map_err(|invalid| invalid.under("at"))?;
-                let phases: Vec<String> = phases(world).into_iter().map(|(phase, _)| phase.name).collect();
-                let number = phases.iter().position(|phase| phase == of);
-                let number = number.ok_or_else(|| unknown("of", "phase", of, phases.iter().map(String::as_str)))?;
-                Ok(Drawn::Surface(number, *at))
+                phase(world, of).map(|number| Drawn::Surface(number, *at))
             }
         };
         let figures = self.study.figures.iter().enumerate();
@@ -241,6 +243,27 @@ impl Plan {
             }
         }
     }
+}
+
+/// The number of the phase called `name`.
+fn phase(world: &mut World, name: &str) -> Result<usize, Invalid> {
+    let phases: Vec<String> = phases(world).into_iter().map(|(phase, _)| phase.name).collect();
+    let number = phases.iter().position(|phase| phase == name);
+    number.ok_or_else(|| unknown("of", "phase", name, phases.iter().map(String::as_str)))
+}
+
+/// Checks that the particles of a log will have the quantity `name`.
+fn quantity(world: &World, name: &str) -> Result<(), Invalid> {
+    let of_plugins = world.get_resource::<ParticleFields>().into_iter().flat_map(ParticleFields::names);
+    let known: Vec<&str> = FLUID_FIELDS.iter().map(|field| field.name).chain(["speed"]).chain(of_plugins).collect();
+    if known.contains(&name) { Ok(()) } else { Err(unknown("of", "quantity", name, known)) }
+}
+
+/// Checks that a run to `end_time` (s) has frames `at` these times (s).
+fn times(at: &[f64], end_time: f64) -> Result<(), Invalid> {
+    at.iter().enumerate().try_for_each(|(k, at)| {
+        Take::At(*at).check_times(end_time).map_err(|invalid| invalid.under(&format!("at.{k}")))
+    })
 }
 
 /// Where the number `of`, `<series>.<field>`, will stand in the log of a run.

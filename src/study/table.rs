@@ -144,28 +144,37 @@ pub struct Asked<'a> {
     pub range: (f64, f64),
     /// What the last run that is done has.
     pub value: Option<f64>,
-    /// Whether it counts: nothing is judged by coarse runs.
+    /// The run that it has the value of, if that is not the last one of the study.
+    pub coarser: Option<&'a str>,
+    /// Whether the range counts: nothing is judged by coarse runs.
     pub is_judged: bool,
 }
 
 impl Asked<'_> {
-    /// Whether it counts and the value is not there or not in the range.
+    /// Whether there is no value, or one that counts and is not in the range.
     #[must_use]
     pub fn is_missed(&self) -> bool {
-        self.is_judged && !self.value.is_some_and(|value| (self.range.0..=self.range.1).contains(&value))
+        !self.value.is_some_and(|value| !self.is_judged || (self.range.0..=self.range.1).contains(&value))
     }
 
     /// Name, least and greatest value, value and verdict, for a table in Markdown.
     #[must_use]
     pub fn cells(&self) -> [String; 5] {
-        let verdict = match (self.is_judged, self.is_missed()) {
-            (false, _) => "not judged: coarse",
-            (_, true) => "**missed**",
+        let verdict = match (self.is_missed(), self.is_judged) {
+            (true, _) => "**missed**",
+            (_, false) => "not judged: coarse",
             _ => "met",
         };
+        let by = self.coarser.map(|run| format!(", by {run}: the last run is not done")).unwrap_or_default();
         let seen = self.value.map_or_else(|| "–".to_owned(), short);
-        [labelled(self.name, self.unit), short(self.range.0), short(self.range.1), seen, verdict.to_owned()]
+        let name = escaped(&labelled(self.name, self.unit));
+        [name, short(self.range.0), short(self.range.1), seen, escaped(&(verdict.to_owned() + &by))]
     }
+}
+
+/// A text in a cell of a table in Markdown.
+pub fn escaped(text: &str) -> String {
+    text.replace('|', "\\|")
 }
 
 /// The rows of a study, in the order of its plan.
@@ -273,7 +282,7 @@ impl Table<'_> {
         }
         let _ = writeln!(text, ". Made by storegga {}.\n", env!("CARGO_PKG_VERSION"));
         for (k, line) in self.lines().iter().enumerate() {
-            let cells: Vec<String> = line.iter().map(|cell| cell.replace('|', "\\|")).collect();
+            let cells: Vec<String> = line.iter().map(|cell| escaped(cell)).collect();
             let _ = writeln!(text, "| {} |", cells.join(" | "));
             if k == 0 {
                 let _ = writeln!(text, "|{}", "---|".repeat(line.len()));
@@ -294,14 +303,20 @@ impl Table<'_> {
         text
     }
 
-    /// What was asked for of the last run that is done, and whether it was met.
+    /// What is asked of the last run, with the values of the last one that is done.
     #[must_use]
     pub fn asked(&self) -> Vec<Asked<'_>> {
         let study = &self.plan.study;
+        let done = self.rows.iter().rposition(|row| matches!(row, Row::Done(..)));
         let asked = study.measures.iter().enumerate().filter_map(|(m, measure)| {
-            let value = self.rows.iter().rev().find(|row| matches!(row, Row::Done(..))).and_then(|row| row.measure(m));
-            let unit = self.plan.measures[m].unit.as_str();
-            Some(Asked { name: &measure.name, unit, range: measure.asked?, value, is_judged: !study.is_coarse })
+            Some(Asked {
+                name: &measure.name,
+                unit: self.plan.measures[m].unit.as_str(),
+                range: measure.asked?,
+                value: done.and_then(|k| self.rows[k].measure(m)),
+                coarser: done.filter(|k| k + 1 < self.rows.len()).map(|k| self.plan.runs[k].name.as_str()),
+                is_judged: !study.is_coarse,
+            })
         });
         asked.collect()
     }

@@ -55,6 +55,7 @@ fn mistakes_are_named() {
     for (arguments, word) in [
         (&["--phase", "watr"][..], "did you mean `water`?"),
         (&["--phase", "water", "--direction", "0,0"], "not all 0"),
+        (&["--phase", "water", "--direction", "0,0,1"], "in the plane of the log"),
     ] {
         let ran = folder.run(&[&["runout", "runs/tank.mcap"], arguments].concat());
         ran.ended_with(2);

@@ -133,6 +133,22 @@ fn near_a_free_surface_nothing_is_changed() {
     }
 }
 
+/// A drop that lies on a plate has no neighbour at the surface, and is at it itself.
+#[test]
+fn a_lone_drop_on_a_plate_is_left_alone() {
+    let plate = r#"structures: { "plate": (shape: Box(min: (-0.5, -0.2), max: (0.5, 0.0))) }, free_surface: Off,"#;
+    let acceleration = |scene: &str| {
+        let mut app = app(scene, &[]);
+        press(app.world_mut(), |_| -200.0);
+        evaluate(app.world_mut());
+        particles(app.world_mut())[0].acceleration
+    };
+    let scene = cube(2, 1, plate);
+    let (without, with) = (acceleration(&scene), acceleration(&with_control(&scene)));
+    assert!(without.y != 0.0, "the plate acts on it");
+    assert_eq!(without, with);
+}
+
 /// Least distance between two particles (spacings) of a liquid under tension after `steps` steps.
 fn least_distance(scene: &str, steps: u64) -> f64 {
     let mut app = app(scene, &[]);

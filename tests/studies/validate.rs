@@ -104,6 +104,8 @@ fn mistakes_are_named_in_their_place() {
             "a.csv cannot be read",
         ),
         ("order", r#"(name: "f", of: "energy.mass", asked: (2.0, 1.0)),"#, "", "the least value comes first"),
+        ("quantity", "", r#"Field(of: "presure", at: [0.05]),"#, "did you mean `pressure`?"),
+        ("profile", "", r#"Profile(of: "surface:watr", at: [0.05]),"#, "did you mean `water`?"),
         ("late", "", r#"Field(of: "pressure", at: [7.0]),"#, "7 s lies outside the run"),
         (
             "beside",
@@ -124,4 +126,12 @@ fn mistakes_are_named_in_their_place() {
     let folder = Folder::new("wrong-folder");
     fs::create_dir(folder.path("empty")).unwrap();
     folder.run(&["validate", "empty"]).is_refused_with(&["there is no study"]);
+    // A page whose figures would lie among the runs; two studies of one name; a mistake in the second, told before the first runs.
+    let folder = Folder::with_study("wrong-page", GRID);
+    let wrong_page = folder.run(&["validate", "study.ron", "--out", "runs/page", "--page", "runs/page.md"]);
+    wrong_page.is_refused_with(&["cannot be the page"]);
+    folder.run(&["validate", "study.ron", "./study.ron"]).is_refused_with(&["have one name"]);
+    folder.write("wrong.ron", GRID.replace("take: Max", "take: Mx"));
+    folder.run(&["validate", "study.ron", "wrong.ron"]).is_refused_with(&["wrong.ron:"]);
+    assert!(!folder.path("runs").exists());
 }
