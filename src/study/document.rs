@@ -16,7 +16,7 @@ use std::sync::Arc;
 use serde::Deserialize;
 
 use super::Beside;
-use super::runs::read_runs;
+use super::runs::{Runs, read_runs};
 use crate::error::UserError;
 use crate::expect::Take;
 use crate::number::plain;
@@ -50,6 +50,8 @@ pub struct Study {
     /// Overrides of all runs, and those of each.
     set: Vec<Setting>,
     pub(super) runs: Vec<Vec<Setting>>,
+    /// What each run is called, empty if it has no name.
+    pub(super) names: Vec<String>,
     document: Arc<Document>,
 }
 
@@ -141,7 +143,8 @@ impl Study {
         document.require_known_fields("", &FIELDS)?;
         let scene: String = document.read("scene")?;
         let is_coarse = is_coarse && document.node("coarse").is_some();
-        let (varied, runs, is_grid) = read_runs(&document, if is_coarse { "coarse" } else { "vary" })?;
+        let Runs { varied, names, settings: runs, is_grid } =
+            read_runs(&document, if is_coarse { "coarse" } else { "vary" })?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let mut study = Self {
             title: optional(&document, "title")?,
@@ -155,6 +158,7 @@ impl Study {
             figures: optional(&document, "figures")?,
             set: settings(&document, "set")?,
             runs,
+            names,
             document,
         };
         let checked = study.check().and_then(|()| study.read_curves(folder));

@@ -95,7 +95,8 @@ fn curves(plan: &Plan, rows: &[Row], k: usize, axes: [String; 2]) -> LineFigure 
     let all: Vec<usize> = (0..plan.varied.len()).collect();
     let curve = |(run, row): (&PlannedRun, &Row)| match row {
         Row::Done(_, _, curves) => {
-            Some(Curve { name: name(plan, run, &all), points: curves.get(k)?.clone(), ..Curve::default() })
+            let name = if run.label.is_empty() { name(plan, run, &all) } else { run.label.clone() };
+            Some(Curve { name, points: curves.get(k)?.clone(), ..Curve::default() })
         }
         _ => None,
     };
@@ -112,7 +113,7 @@ fn axes_of(of: &str, unit: &str) -> [String; 2] {
 /// What tells a curve from others: the varied values `by` of its runs.
 fn name(plan: &Plan, run: &PlannedRun, by: &[usize]) -> String {
     let part = |k: &usize| {
-        let (varied, value) = (&plan.varied[*k], run.number(*k).map_or(run.values[*k].clone(), short));
+        let (varied, value) = (&plan.varied[*k], run.shown(*k));
         format!("{} = {value} {}", varied.label.replace('_', " "), varied.unit).trim_end().to_owned()
     };
     by.iter().map(part).collect::<Vec<_>>().join(", ")

@@ -16,6 +16,7 @@ use crate::error::UserError;
 use crate::estimate::Estimate;
 use crate::expect::{Take, find_number};
 use crate::log::{FLUID_FIELDS, ParticleCounts, ParticleFields};
+use crate::number::short;
 use crate::phases::phases;
 use crate::probes::Series;
 use crate::scene::schema::{scene_schema, unit_at};
@@ -52,6 +53,8 @@ pub struct Varied {
 pub struct PlannedRun {
     /// Name of its files, without their ending.
     pub name: String,
+    /// What the study calls it; may be empty.
+    pub label: String,
     /// The value of everything that is varied, as text; empty where the scene leaves it open.
     pub values: Vec<String>,
     /// Overrides, as `--set` is given them.
@@ -75,7 +78,20 @@ pub struct PlannedRun {
 /// Bytes of a particle in a checkpoint, which is in memory twice while it is written.
 const BYTES_IN_CHECKPOINT: f64 = 2.0 * 170.0;
 
+/// Letters of a value that people are shown: a shape has hundreds.
+const MOST_LETTERS: usize = 24;
+
 impl PlannedRun {
+    /// The value of varied value `k` as people are shown it.
+    #[must_use]
+    pub fn shown(&self, k: usize) -> String {
+        let value = self.number(k).map_or_else(|| self.values[k].clone(), short);
+        if value.chars().count() <= MOST_LETTERS {
+            return value;
+        }
+        value.chars().take(MOST_LETTERS).chain("…".chars()).collect()
+    }
+
     /// The number that varied value `k` is, if it is one.
     #[must_use]
     pub fn number(&self, k: usize) -> Option<f64> {
@@ -168,6 +184,7 @@ impl Plan {
             .collect();
         PlannedRun {
             name: file_name(labelled.iter().map(|(label, value)| (*label, value.as_str()))),
+            label: self.study.names.get(k).cloned().unwrap_or_default(),
             values: self.varied.iter().map(value).collect(),
             overrides: self.study.overrides(k).map(|setting| format!("{}={}", setting.path, setting.text)).collect(),
             text: Arc::clone(document.text()),

@@ -5,11 +5,22 @@ use crate::error::UserError;
 use crate::scene::document::{Field, Kind, Node};
 use crate::scene::{Document, Setting, settings};
 
+/// What a run of a list may be called, beside the values that it has.
+const NAME: &str = "name";
+
+/// The name of a run, empty if it has none, and its overrides.
+type NamedRun = (String, Vec<Setting>);
+
 /// Most runs of a study: more are a mistake rather than a plan.
 const MOST_RUNS: usize = 10_000;
 
-/// Paths that are varied, the overrides of each run, and whether they are a grid.
-pub(super) type Runs = (Vec<String>, Vec<Vec<Setting>>, bool);
+/// Paths that are varied, names and overrides of the runs, and whether they are a grid.
+pub(super) struct Runs {
+    pub varied: Vec<String>,
+    pub names: Vec<String>,
+    pub settings: Vec<Vec<Setting>>,
+    pub is_grid: bool,
+}
 
 /// The runs that stand in `field`, `vary` or `coarse`.
 pub(super) fn read_runs(document: &Document, field: &str) -> Result<Runs, UserError> {
@@ -23,6 +34,7 @@ pub(super) fn read_runs(document: &Document, field: &str) -> Result<Runs, UserEr
         "List" => list(document, node.inner().unwrap_or(node)),
         other => return Err(document.unknown_name_error(named.span, "way to vary", other, &["Grid", "List"])),
     }?;
+    let (names, runs): (Vec<String>, Vec<Vec<Setting>>) = runs.into_iter().unzip();
     let fixed = settings(document, "set")?;
     let mut varied: Vec<String> = Vec::new();
     for setting in runs.iter().flatten() {
@@ -34,11 +46,11 @@ pub(super) fn read_runs(document: &Document, field: &str) -> Result<Runs, UserEr
             varied.push(setting.path.clone());
         }
     }
-    Ok((varied, runs, named.name == "Grid"))
+    Ok(Runs { varied, names, settings: runs, is_grid: named.name == "Grid" })
 }
 
 /// `{"path": [values]}`: every combination; the last path varies fastest.
-fn grid(document: &Document, node: &Node) -> Result<Vec<Vec<Setting>>, UserError> {
+fn grid(document: &Document, node: &Node) -> Result<Vec<NamedRun>, UserError> {
     const TABLE: &str = "a table of lists `{\"path\": [value, …]}`";
     let Kind::Map { entries } = &node.kind else { return Err(expected(document, node, TABLE)) };
     if entries.is_empty() {
@@ -54,7 +66,7 @@ fn grid(document: &Document, node: &Node) -> Result<Vec<Vec<Setting>>, UserError
         let with = |run: &Vec<Setting>, value: &Setting| run.iter().chain([value]).cloned().collect();
         runs = runs.iter().flat_map(|run| values.iter().map(move |value| with(run, value))).collect();
     }
-    Ok(runs)
+    Ok(runs.into_iter().map(|run| (String::new(), run)).collect())
 }
 
 /// The values that a path takes in a grid.
@@ -77,23 +89,25 @@ fn values(document: &Document, entry: &Field) -> Result<Vec<Setting>, UserError>
 }
 
 /// `[{"path": value}]`: these.
-fn list(document: &Document, node: &Node) -> Result<Vec<Vec<Setting>>, UserError> {
+fn list(document: &Document, node: &Node) -> Result<Vec<NamedRun>, UserError> {
     const LIST: &str = "a list of tables `[{\"path\": value}, …]`";
     let Kind::List(items) = &node.kind else { return Err(expected(document, node, LIST)) };
     if items.is_empty() || items.len() > MOST_RUNS {
         let message = if items.is_empty() { "the list of runs is empty" } else { "these are too many runs" };
         return Err(document.error(node.opening(), message, format!("expected 1 to {MOST_RUNS} tables")));
     }
-    let mut runs: Vec<Vec<Setting>> = Vec::new();
+    let mut runs: Vec<NamedRun> = Vec::new();
     for item in items {
         let Kind::Map { entries } = &item.kind else {
             return Err(expected(document, item, "a table `{\"path\": value}`"));
         };
         let run: Vec<Setting> = entries.iter().map(|entry| Setting::new(document, &entry.key, &entry.value)).collect();
-        if runs.iter().any(|other| are_same(other, &run)) {
+        let (names, run): (Vec<Setting>, Vec<Setting>) = run.into_iter().partition(|setting| setting.path == NAME);
+        let name = names.into_iter().next().map(|setting| setting.text).unwrap_or_default();
+        if runs.iter().any(|(_, other)| are_same(other, &run)) {
             return Err(document.error(item.span.clone(), "this run is given twice", "the second time"));
         }
-        runs.push(run);
+        runs.push((name, run));
     }
     Ok(runs)
 }

@@ -234,10 +234,16 @@ impl Table<'_> {
         let varied = self.plan.varied.iter().map(|varied| labelled(&varied.label, &varied.unit));
         let measures = self.plan.study.measures.iter().zip(&self.plan.measures);
         let measures = measures.map(|(measure, source)| labelled(&measure.name, &source.unit));
-        let names =
-            varied.chain(["fluid particles", "end", "steps", "took"].map(str::to_owned)).chain(measures).collect();
+        let has_labels = self.plan.runs.iter().any(|run| !run.label.is_empty());
+        let run = has_labels.then(|| "run".to_owned()).into_iter();
+        let names = run
+            .chain(varied)
+            .chain(["fluid particles", "end", "steps", "took"].map(str::to_owned))
+            .chain(measures)
+            .collect();
         let row = |(run, row): (&super::PlannedRun, &Row)| {
-            let values = run.values.iter().enumerate().map(|(k, value)| run.number(k).map_or(value.clone(), short));
+            let label = has_labels.then(|| run.label.clone());
+            let values = label.into_iter().chain((0..run.values.len()).map(|k| run.shown(k)));
             let end = match row {
                 Row::Diverged(finished) => format!("diverged at {} s", short(finished.time)),
                 other => other.word().to_owned(),

@@ -42,6 +42,23 @@ fn a_grid_is_every_combination_and_the_table_has_what_the_logs_have() {
     assert!(table[NAMES[0]]["greatest kinetic energy [J]"] != table[NAMES[2]]["greatest kinetic energy [J]"]);
 }
 
+/// Runs of a list are called as the study says, and values that are long are cut for people, not for programs.
+#[test]
+fn runs_have_names_and_long_values_are_cut() {
+    let (head, rest) = GRID.split_once("vary: ").unwrap();
+    let grid = rest.split_once(",\n").unwrap().0;
+    let shape = "Box(min: (0.0, 0.0), max: (0.2, 0.05))";
+    let list = format!(r#"List([{{"name": "full"}}, {{"name": "half full", "fluids.0.shape": "{shape}"}}])"#);
+    let study = format!("{head}vary: {}", rest.replacen(grid, &list, 1));
+    let study = study.lines().filter(|line| !line.contains("over: ")).collect::<Vec<_>>().join("\n");
+    let folder = Folder::with_study("named", &study);
+    folder.study(&[]).ended_with(0);
+    let page = fs::read_to_string(folder.path("runs/study/table.md")).unwrap();
+    assert_parts(&page, &["| run | shape", "| full | ", "| half full | Box(min: (0.0, 0.0), max…"]);
+    assert!(!page.contains(shape));
+    assert!(fs::read_to_string(folder.path("runs/study/table.csv")).unwrap().contains(shape));
+}
+
 #[test]
 fn people_get_a_table_and_figures() {
     let folder = Folder::with_study("people", GRID);
