@@ -37,6 +37,8 @@ pub enum Stage {
     CompressionGradient,
     /// Shear rate γ̇, Eq. 14; in the same sweep the [sums](crate::physics::midway_sums) of later stages.
     StrainRate,
+    /// Shear rate of fluid that jumps at a wall.
+    WallShear,
     /// Viscosity μ(γ̇) of each phase, Eq. 13: one system a registered rheology.
     Rheology,
     /// dρ/dt, Eq. 5.
@@ -124,6 +126,7 @@ pub(crate) fn init(app: &mut App) {
             S::GhostVelocity,
             S::CompressionGradient,
             S::StrainRate,
+            S::WallShear,
             S::Rheology,
         )
             .chain(),

@@ -12,6 +12,7 @@ mod ghost_velocity;
 mod integration;
 mod midway;
 mod momentum;
+mod near_ghosts;
 mod pair_kernel;
 mod plugin;
 mod pressure_force;
@@ -21,6 +22,7 @@ mod tensile_control;
 mod time_step;
 mod viscous_force;
 mod wall_impact;
+mod wall_shear;
 
 pub use body_force::{Gravity, Settling};
 pub use compression_gradient::{CompressionGradients, compression_gradient};
@@ -43,6 +45,7 @@ pub use tensile_control::{TensileControl, TensileForces, tensile_control};
 pub use time_step::{TimeStepSettings, next_time_step};
 pub use viscous_force::{CentralForm, LaplacianForm, ViscousForce, ViscousForm};
 pub use wall_impact::{ImpactPressure, WallImpact, wall_impact};
+pub use wall_shear::wall_shear;
 
 pub(crate) use compression_gradient::LEAST_RATIO;
 pub(crate) use divergence::{GREATEST_COMPRESSION, MOST_STEPS, settle_least_time_step};

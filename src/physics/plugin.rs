@@ -13,7 +13,7 @@ use super::{
     MidwaySums, MomentumSettings, Settling, ShiftedMass, Shifting, Shifts, StateSettings, StrainSettings,
     TensileControl, TensileForces, TimeStepSettings, WallImpact, compression_gradient, density_diffusion, density_rate,
     drift, free_surface, ghost_pressure, ghost_velocity, midway_sums, momentum, next_time_step, pair_kernel,
-    shift_particles, strain_rate, tensile_control, wall_impact,
+    shift_particles, strain_rate, tensile_control, wall_impact, wall_shear,
 };
 use crate::app::StoreggaApp;
 use crate::schedule::Stage;
@@ -58,6 +58,7 @@ impl Plugin for PhysicsPlugin {
                 (midway_sums::<2>, strain_rate::<2>).chain(),
                 (midway_sums::<3>, strain_rate::<3>).chain(),
             )
+            .set_stage(Stage::WallShear, wall_shear, wall_shear)
             .set_stage(Stage::Continuity, density_rate::<2>, density_rate::<3>)
             .set_stage(Stage::Diffusion, density_diffusion::<2>, density_diffusion::<3>)
             .set_stage(Stage::State, advance_state, advance_state)

@@ -32,11 +32,14 @@ use crate::scene::SceneSettings;
 pub struct StrainSettings {
     /// Correct the kernel's gradient, so that a linear velocity field has its exact shear rate at walls and surfaces.
     pub gradient_correction: bool,
+    /// Where a yielding fluid jumps at a wall to which it sticks, take the jump over the distance from the wall: the wall then holds it with
+    /// the stress of its flow curve, else with up to twice its yield stress.
+    pub wall_shear: bool,
 }
 
 impl Default for StrainSettings {
     fn default() -> Self {
-        Self { gradient_correction: true }
+        Self { gradient_correction: true, wall_shear: true }
     }
 }
 

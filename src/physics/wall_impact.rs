@@ -18,14 +18,14 @@
 use std::f64::consts::PI;
 
 use bevy_ecs::prelude::*;
-use glam::DVec3;
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::EquationOfState;
+use super::near_ghosts::NearGhosts;
 use crate::kernels::SmoothingKernel;
-use crate::neighbours::{Neighbours, Rows};
+use crate::neighbours::Neighbours;
 use crate::particles::{
     Density, Fluid, GRAIN, PIECE, Position, ReferenceDensity, Solid, Velocity, Volume, Wall, WallVelocity, columns,
 };
@@ -50,16 +50,6 @@ impl SceneSettings for WallImpact {
 #[derive(Component, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct ImpactPressure(pub f64);
 
-/// The ghosts of walls, then of structures, as the numbering of rows has them.
-struct Ghosts<'a> {
-    kernel: &'a SmoothingKernel,
-    rows: &'a Rows,
-    walls: GhostColumns<'a>,
-    structures: GhostColumns<'a>,
-}
-
-type GhostColumns<'a> = (&'a [Position], &'a [WallVelocity], &'a [Volume]);
-
 /// Σ_b of one fluid particle.
 #[derive(Clone, Copy, Default)]
 struct Sums {
@@ -68,41 +58,6 @@ struct Sums {
     /// −Σ_b V_b r_ib·∇_iW_ib.
     fullness: f64,
 }
-
-impl Ghosts<'_> {
-    fn sums(&self, x_i: DVec3, v_i: DVec3, near: &[u32]) -> Sums {
-        let mut sums = Sums::default();
-        for rows in near.chunks(BATCH) {
-            let mut gradients = [0.0; BATCH];
-            let gradients = &mut gradients[..rows.len()];
-            for (&row, out) in rows.iter().zip(&mut *gradients) {
-                let ((x, ..), b) = self.find(row);
-                *out = x_i.distance_squared(x[b].0 + self.rows.shift(row));
-            }
-            self.kernel.0.gradients(gradients);
-            for (&row, &gradient) in rows.iter().zip(&*gradients) {
-                let ((x, v_w, volume), b) = self.find(row);
-                let r_ib = x_i - (x[b].0 + self.rows.shift(row));
-                let volume_grad_w = r_ib * (gradient * volume[b].0);
-                sums.approach += (v_i - v_w[b].0).dot(volume_grad_w);
-                sums.fullness -= r_ib.dot(volume_grad_w);
-            }
-        }
-        sums
-    }
-
-    /// The table of the ghost in `row`, and its place there.
-    fn find(&self, row: u32) -> (GhostColumns<'_>, usize) {
-        let ghost = self.rows.source(row) - self.rows.fluid;
-        match ghost.checked_sub(self.rows.walls) {
-            None => (self.walls, ghost),
-            Some(s) => (self.structures, s),
-        }
-    }
-}
-
-/// Ghosts for which the kernel is evaluated in one call.
-const BATCH: usize = 64;
 
 /// Computes p^w of every fluid particle.
 pub fn wall_impact(
@@ -121,12 +76,22 @@ pub fn wall_impact(
     }
     let (dimension, h) = (resolution.dimension, resolution.smoothing_length);
     let [phi_0, phi_1] = *layers.get_or_insert_with(|| fullness_in_front(&kernel, &resolution));
-    let ghosts =
-        Ghosts { kernel: &kernel, rows: &neighbours.rows, walls: columns(&walls), structures: columns(&structures) };
+    let [walls, structures]: [(&[Position], &[WallVelocity], &[Volume]); 2] = [columns(&walls), columns(&structures)];
+    let ghosts = NearGhosts {
+        kernel: &kernel,
+        rows: &neighbours.rows,
+        positions: [walls.0, structures.0],
+        columns: [(walls.1, walls.2), (structures.1, structures.2)],
+    };
     for (x, v, rho, rho0, mut impact) in fluid.contiguous_iter_mut()? {
         let out = impact.bypass_change_detection().par_iter_mut().with_min_len(GRAIN).with_max_len(PIECE);
         out.enumerate().for_each(|(i, impact)| {
-            let sums = ghosts.sums(x[i].0, v[i].0, neighbours.fluid.of(i).ghosts);
+            let mut sums = Sums::default();
+            ghosts.each(x[i].0, neighbours.fluid.of(i).ghosts, |(v_w, volume), b, r_ib, gradient| {
+                let volume_grad_w = r_ib * (gradient * volume[b].0);
+                sums.approach += (v[i].0 - v_w[b].0).dot(volume_grad_w);
+                sums.fullness -= r_ib.dot(volume_grad_w);
+            });
             let phi = sums.fullness / dimension as f64;
             let s = ((phi - phi_0) / (phi_1 - phi_0)).clamp(0.0, 1.0);
             let u = 2.0 * h * sums.approach.max(0.0);
@@ -145,7 +110,7 @@ pub(crate) fn fullness_in_front(kernel: &SmoothingKernel, resolution: &Resolutio
 const SHELLS: usize = 512;
 
 /// φ at `distance` (m) in front of a flat wall: `−(1/d) ∫ r·∇W` over the half-space behind it.
-fn wall_fullness(kernel: &SmoothingKernel, dimension: usize, distance: f64) -> f64 {
+pub(super) fn wall_fullness(kernel: &SmoothingKernel, dimension: usize, distance: f64) -> f64 {
     let thickness = (kernel.0.radius() - distance).max(0.0) / SHELLS as f64;
     let radius = |shell: usize| distance + (shell as f64 + 0.5) * thickness;
     let mut gradients: [f64; SHELLS] = std::array::from_fn(|shell| radius(shell).powi(2));

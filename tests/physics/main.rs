@@ -30,4 +30,5 @@ mod tensile_control;
 mod time_step;
 mod twin;
 mod viscous_forces;
+mod wall_shear;
 mod walls;
