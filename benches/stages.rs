@@ -84,6 +84,11 @@ fn s3_strain_rate(bencher: Bencher<'_, '_>) {
 }
 
 #[divan::bench]
+fn s3_wall_shear(bencher: Bencher<'_, '_>) {
+    bench_stage(bencher, physics::wall_shear);
+}
+
+#[divan::bench]
 fn s4_rheology(bencher: Bencher<'_, '_>) {
     bench_stage(bencher, apply_flow_curve::<HerschelBulkley>);
 }
