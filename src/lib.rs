@@ -16,6 +16,7 @@
 //! | 12 viscous force | `physics/viscous_force.rs` |
 //! | 13 Herschel–Bulkley | `rheology/herschel_bulkley.rs` |
 //! | 14 shear rate | `physics/strain_rate.rs` |
+//! | – shear rate of fluid that jumps at a wall | `physics/wall_shear.rs` |
 //! | 5, 10, 11, 14 in one sweep | `physics/midway.rs` |
 //! | – density of spray | `physics/free_surface.rs` |
 //! | 15 pressure of ghosts | `physics/ghost_pressure.rs` |

@@ -32,8 +32,8 @@ use crate::scene::SceneSettings;
 pub struct StrainSettings {
     /// Correct the kernel's gradient, so that a linear velocity field has its exact shear rate at walls and surfaces.
     pub gradient_correction: bool,
-    /// Where a yielding fluid jumps at a wall to which it sticks, take the jump over the distance from the wall: the wall then holds it with
-    /// the stress of its flow curve, else with up to twice its yield stress.
+    /// Where a fluid that is not `Newtonian` jumps at a wall to which it sticks, take the jump over the distance from the wall: the wall then holds a
+    /// fluid that yields with the stress of its flow curve, else with twice its yield stress and more.
     pub wall_shear: bool,
 }
 

@@ -110,7 +110,7 @@ pub(crate) fn fullness_in_front(kernel: &SmoothingKernel, resolution: &Resolutio
 const SHELLS: usize = 512;
 
 /// φ at `distance` (m) in front of a flat wall: `−(1/d) ∫ r·∇W` over the half-space behind it.
-pub(super) fn wall_fullness(kernel: &SmoothingKernel, dimension: usize, distance: f64) -> f64 {
+fn wall_fullness(kernel: &SmoothingKernel, dimension: usize, distance: f64) -> f64 {
     let thickness = (kernel.0.radius() - distance).max(0.0) / SHELLS as f64;
     let radius = |shell: usize| distance + (shell as f64 + 0.5) * thickness;
     let mut gradients: [f64; SHELLS] = std::array::from_fn(|shell| radius(shell).powi(2));

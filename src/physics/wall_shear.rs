@@ -14,8 +14,15 @@
 //! jump it is at least 2 γ̇_i (s = 1), with either kernel: `1/(2 d W₁(d))` is 2.5, 2.1, 3.3 half a spacing, one, and one and
 //! a half from the wall (quintic spline, h = 1.2 spacings).
 //!
-//! `d_i` is how far from a flat wall a neighbourhood is as full of wall as that of the particle: `φ(d_i) = −(1/d) Σ_b V_b r_ib·∇_iW_ib`, with φ as in
-//! [`wall_impact`](super::wall_impact). The viscosity of a Newtonian fluid does not depend on γ̇: it is left alone.
+//! `d_i` is how far from a flat wall the wall's part of the kernel's gradient would be as great: `W₁(d_i) = |Σ_b V_b ∇_iW_ib|`; at least half a
+//! spacing, nearer than which W₁ is flat and no particle rests. In corners and beside curved walls it is an estimate: 0.5 spacings for the first
+//! particle in a right corner, 0.55 beside a cylinder of five spacings' radius. `v_w = ⟨v_b^w + ω_w × r_ib⟩`, over the ghosts b, is the velocity of
+//! the body where the particle is: fluid that turns with its drum does not jump.
+//!
+//! Every rheology but `Newtonian`, whose viscosity does not depend on γ̇, is treated so. Here `∇_iW_ib = F_ib r_ib`, and W₁ is the
+//! integral of the kernel over the plane (in 2D the line) at a distance.
+
+use std::f64::consts::PI;
 
 use bevy_ecs::prelude::*;
 use glam::DVec3;
@@ -23,22 +30,24 @@ use rayon::prelude::*;
 
 use super::StrainSettings;
 use super::near_ghosts::NearGhosts;
-use super::wall_impact::wall_fullness;
 use crate::kernels::SmoothingKernel;
 use crate::neighbours::Neighbours;
 use crate::particles::{
-    Fluid, GRAIN, PIECE, PhaseIndex, Position, ShearRate, Slip, Solid, Velocity, Volume, Wall, WallVelocity, columns,
+    Fluid, GRAIN, PIECE, PhaseIndex, Position, ShearRate, Slip, Solid, Velocity, Volume, Wall, WallAngularVelocity,
+    WallVelocity, columns,
 };
 use crate::phases::Phase;
 use crate::rheology::Newtonian;
 use crate::scene::Resolution;
 
-/// φ at equal steps of the distance from a flat wall.
+/// W₁ at equal steps of the distance from a flat wall.
 pub struct Distances {
-    /// φ at 0, 1, 2, … steps; falls.
-    fullness: Vec<f64>,
+    /// W₁ (1/m) at 0, 1, 2, … steps; falls.
+    wall_kernel: Vec<f64>,
     /// One step (m).
     step: f64,
+    /// The least distance (m) that is told: half a spacing.
+    least: f64,
 }
 
 /// Steps from the surface of a wall to as far as the kernel reaches.
@@ -47,20 +56,38 @@ const STEPS: usize = 128;
 impl Distances {
     fn new(kernel: &SmoothingKernel, resolution: &Resolution) -> Self {
         let step = kernel.0.radius() / STEPS as f64;
-        let fullness = (0..=STEPS).map(|k| wall_fullness(kernel, resolution.dimension, k as f64 * step)).collect();
-        Self { fullness, step }
+        let wall_kernel = (0..=STEPS).map(|k| wall_kernel(kernel, resolution.dimension, k as f64 * step)).collect();
+        Self { wall_kernel, step, least: 0.5 * resolution.spacing }
     }
 
-    /// Distance (m) from a flat wall at which φ is `phi`; none out of its reach. A particle on the surface, or behind it,
-    /// counts as one that is a step away from it.
-    fn at(&self, phi: f64) -> Option<f64> {
-        let k = self.fullness.partition_point(|&of_step| of_step >= phi);
-        if k <= 1 {
-            return Some(self.step);
+    /// Distance (m) from a flat wall at which W₁ is `normal` (1/m); none out of its reach.
+    fn at(&self, normal: f64) -> Option<f64> {
+        let k = self.wall_kernel.partition_point(|&of_step| of_step >= normal);
+        if k == 0 {
+            return Some(self.least);
         }
-        let (nearer, farther) = (self.fullness[k - 1], *self.fullness.get(k)?);
-        Some(self.step * (k as f64 - 1.0 + (nearer - phi) / (nearer - farther)))
+        let (nearer, farther) = (self.wall_kernel[k - 1], *self.wall_kernel.get(k)?);
+        let distance = self.step * (k as f64 - 1.0 + (nearer - normal) / (nearer - farther));
+        Some(distance.max(self.least))
     }
+}
+
+/// Rings or shells of equal thickness in the integral over a half-space.
+const SHELLS: usize = 512;
+
+/// W₁ (1/m) at `distance` (m): `−∫ n·∇W` over the half-space behind a flat wall.
+fn wall_kernel(kernel: &SmoothingKernel, dimension: usize, distance: f64) -> f64 {
+    let thickness = (kernel.0.radius() - distance).max(0.0) / SHELLS as f64;
+    let radius = |shell: usize| distance + (shell as f64 + 0.5) * thickness;
+    let mut gradients: [f64; SHELLS] = std::array::from_fn(|shell| radius(shell).powi(2));
+    kernel.0.gradients(&mut gradients);
+    let along_normal = |r: f64| {
+        // ∫ cos θ over the arc or cap of the circle or sphere of radius r that lies behind the wall.
+        let squared = r * r - distance * distance;
+        if dimension == 2 { 2.0 * squared.sqrt() } else { PI * squared }
+    };
+    let shells = gradients.into_iter().enumerate().map(|(shell, gradient)| (radius(shell), gradient));
+    -shells.map(|(r, gradient)| r * gradient * along_normal(r)).sum::<f64>() * thickness
 }
 
 /// Δv/d_i over γ̇_i up to which the layer at the wall counts as resolved.
@@ -78,12 +105,16 @@ fn with_jump(shear_rate: f64, of_wall: f64) -> f64 {
 #[derive(Default)]
 struct Sums {
     /// −Σ_b V_b r_ib·∇_iW_ib.
-    fullness: f64,
-    /// The same times v_w (m/s).
+    weight: f64,
+    /// The same times the velocity (m/s) of the body where the particle is.
     wall_velocity: DVec3,
-    /// Along the normal.
+    /// −Σ_b V_b ∇_iW_ib (1/m), into the wall.
     normal: DVec3,
 }
+
+type GhostState =
+    (&'static Position, &'static WallVelocity, &'static WallAngularVelocity, &'static Volume, &'static Slip);
+type GhostColumns<'a> = (&'a [Position], &'a [WallVelocity], &'a [WallAngularVelocity], &'a [Volume], &'a [Slip]);
 
 /// Raises γ̇ of the fluid beside walls and structures to which it sticks.
 pub fn wall_shear(
@@ -94,8 +125,8 @@ pub fn wall_shear(
     (mut distances, mut newtonian): (Local<Option<Distances>>, Local<Vec<bool>>),
     phases: Query<(&Phase, Has<Newtonian>)>,
     mut fluid: Query<(&PhaseIndex, &Position, &Velocity, &mut ShearRate), With<Fluid>>,
-    walls: Query<(&Position, &WallVelocity, &Volume, &Slip), With<Wall>>,
-    structures: Query<(&Position, &WallVelocity, &Volume, &Slip), With<Solid>>,
+    walls: Query<GhostState, With<Wall>>,
+    structures: Query<GhostState, With<Solid>>,
 ) -> Result {
     if !settings.wall_shear {
         return Ok(());
@@ -106,13 +137,12 @@ pub fn wall_shear(
         newtonian[phase.index as usize] = is_newtonian;
     }
     let distances = distances.get_or_insert_with(|| Distances::new(&kernel, &resolution));
-    let [walls, structures]: [(&[Position], &[WallVelocity], &[Volume], &[Slip]); 2] =
-        [columns(&walls), columns(&structures)];
+    let [walls, structures]: [GhostColumns<'_>; 2] = [columns(&walls), columns(&structures)];
     let ghosts = NearGhosts {
         kernel: &kernel,
         rows: &neighbours.rows,
         positions: [walls.0, structures.0],
-        columns: [walls, structures].map(|(_, v_w, volume, slip)| (v_w, volume, slip)),
+        columns: [walls, structures],
     };
     for (phase, x, v, mut shear_rate) in fluid.contiguous_iter_mut()? {
         let out = shear_rate.bypass_change_detection().par_iter_mut().with_min_len(GRAIN).with_max_len(PIECE);
@@ -122,17 +152,17 @@ pub fn wall_shear(
                 return;
             }
             let mut sums = Sums::default();
-            ghosts.each(x[i].0, near, |(v_w, volume, slip), b, r_ib, gradient| {
+            ghosts.each(x[i].0, near, |(_, v_w, omega_w, volume, slip), b, r_ib, gradient| {
                 if slip[b] != Slip::FreeSlip {
                     let volume_grad_w = r_ib * (gradient * volume[b].0);
-                    let fullness = -r_ib.dot(volume_grad_w);
-                    sums.fullness += fullness;
-                    sums.wall_velocity += v_w[b].0 * fullness;
+                    let weight = -r_ib.dot(volume_grad_w);
+                    sums.weight += weight;
+                    sums.wall_velocity += (v_w[b].0 + omega_w[b].0.cross(r_ib)) * weight;
                     sums.normal -= volume_grad_w;
                 }
             });
-            if let Some(d_i) = distances.at(sums.fullness / resolution.dimension as f64) {
-                let relative = v[i].0 - sums.wall_velocity / sums.fullness;
+            if let Some(d_i) = distances.at(sums.normal.length()) {
+                let relative = v[i].0 - sums.wall_velocity / sums.weight;
                 let along = relative.reject_from_normalized(sums.normal.normalize_or_zero());
                 shear_rate.0 = with_jump(shear_rate.0, along.length() / d_i);
             }
@@ -147,20 +177,27 @@ mod tests {
     use crate::kernels::{KernelRegistry, QuinticSpline};
 
     #[test]
-    fn a_distance_is_that_at_which_a_wall_fills_as_much() {
+    fn a_distance_is_that_at_which_a_wall_weighs_as_much() {
         let mut registry = KernelRegistry::default();
         registry.register("quintic", QuinticSpline);
         for dimension in [2, 3] {
             let kernel = registry.scaled("quintic", 1.2, dimension).expect("registered above");
             let resolution = Resolution { dimension, spacing: 1.0, smoothing_length: 1.2 };
             let distances = Distances::new(&kernel, &resolution);
-            for distance in [0.1, 0.48, 0.77, 1.31, 2.9] {
-                let found = distances.at(wall_fullness(&kernel, dimension, distance)).expect("near the wall");
+            for distance in [0.51, 0.77, 1.31, 2.9] {
+                // The kernel over the plane at that distance, by its values.
+                let step = 1e-3;
+                let ring = |r: f64| if dimension == 2 { 2.0 } else { 2.0 * PI * r };
+                let plane = (0..4000).map(|k| (f64::from(k) + 0.5) * step);
+                let mut values: Vec<f64> = plane.clone().map(|r| r * r + distance * distance).collect();
+                kernel.0.values(&mut values);
+                let normal: f64 = plane.zip(&values).map(|(r, w)| w * ring(r) * step).sum();
+                let found = distances.at(normal).expect("near the wall");
                 assert!((found - distance).abs() < 1e-3, "{dimension}D: {found} instead of {distance}");
             }
             assert_eq!(distances.at(0.0), None);
-            for inside in [0.5, 0.7] {
-                assert_eq!(distances.at(inside), Some(distances.step));
+            for inside in [wall_kernel(&kernel, dimension, 0.1), 9.0] {
+                assert_eq!(distances.at(inside), Some(0.5));
             }
         }
     }
