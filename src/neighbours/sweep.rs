@@ -35,6 +35,10 @@ pub trait PairTerm<const D: usize>: Sync {
     ) {
         self.fluid(sum, i, j, pair);
     }
+
+    /// Called between the last fluid particle and the first ghost.
+    #[inline(always)]
+    fn between<R: Real>(&self, _sum: &mut <Self::Sum as Fields>::With<R>) {}
 }
 
 /// One sweep: a term, what it reads of every row, and the kernel.
@@ -156,6 +160,9 @@ impl<const D: usize, T: PairTerm<D>, W: FnMut(usize, T::Sum)> Piece<'_, D, T, W>
             |_| zero,
         );
         for (rows, is_fluid) in [(fluid, true), (ghosts, false)] {
+            if !is_fluid {
+                term.between::<R>(&mut sum);
+            }
             for rows in rows.chunks(BATCH / R::LANES) {
                 for (&row, out) in rows.iter().zip(batch.chunks_exact_mut(R::LANES)) {
                     let r_ij = separation(zero, x_i, records.row(row as usize));

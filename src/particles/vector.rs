@@ -1,6 +1,6 @@
 //! Vectors of a pair loop: as many components as the scene has dimensions.
 
-use std::ops::{Add, AddAssign, Mul, Sub};
+use std::ops::{Add, AddAssign, Mul, Neg, Sub};
 
 use glam::DVec3;
 
@@ -38,6 +38,25 @@ impl<const D: usize, R: Real> Vector<D, R> {
             addend.add_product(self.0[k], other.0[k]);
         }
         addend
+    }
+
+    /// Adds the products whose sum is a·b, each to its own component.
+    #[inline(always)]
+    pub fn add_products(&mut self, a: Self, b: Self) {
+        for k in 0..D {
+            self.0[k].add_product(a.0[k], b.0[k]);
+        }
+    }
+
+    /// The sum of the components.
+    #[inline(always)]
+    #[must_use]
+    pub fn total(self) -> R {
+        let mut sum = self.0[0];
+        for k in 1..D {
+            sum += self.0[k];
+        }
+        sum
     }
 
     /// Subtracts `other · factor`.
@@ -113,6 +132,17 @@ impl<const D: usize, R: Real> Mul<R> for Vector<D, R> {
         Self(std::array::from_fn(
             #[inline(always)]
             |k| self.0[k] * factor,
+        ))
+    }
+}
+
+impl<const D: usize, R: Real> Neg for Vector<D, R> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(std::array::from_fn(
+            #[inline(always)]
+            |k| -self.0[k],
         ))
     }
 }

@@ -31,17 +31,17 @@ fields! {
     }
 }
 
-/// `Σ_j V_j v_ij·∇_iW_ij` (1/s).
+/// `Σ_j V_j v_ij·∇_iW_ij` (1/s), axis by axis: over fluid it is −tr L_i (Eq. 14), which another sum may know already.
 pub(super) struct Continuity;
 
 impl<const D: usize> PairTerm<D> for Continuity {
     type State = Flux<D>;
-    type Sum = f64;
+    type Sum = Vector<D>;
 
     #[inline(always)]
-    fn fluid<R: Real>(&self, sum: &mut R, i: &Flux<D, R>, j: &Flux<D, R>, pair: &Pair<D, R>) {
+    fn fluid<R: Real>(&self, sum: &mut Vector<D, R>, i: &Flux<D, R>, j: &Flux<D, R>, pair: &Pair<D, R>) {
         let v_ij = i.velocity - j.velocity;
-        *sum = v_ij.dot_plus(pair.r_ij * (pair.gradient * j.volume), *sum);
+        sum.add_products(v_ij, pair.r_ij * (pair.gradient * j.volume));
     }
 }
 
@@ -80,7 +80,7 @@ pub fn density_rate<const D: usize>(
         let sweep = Sweep::new(&neighbours, &*kernel.0, records, Continuity);
         rate.bypass_change_detection().par_chunks_mut(PIECE).enumerate().for_each(|(piece, rate)| {
             let first = piece * PIECE;
-            sweep.sum(first, rate.len(), |k, sum| rate[k].0 = rho[first + k].0 * sum);
+            sweep.sum(first, rate.len(), |k, sum| rate[k].0 = rho[first + k].0 * sum.total());
         });
     }
     Ok(())

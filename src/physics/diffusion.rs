@@ -72,8 +72,8 @@ fields! {
     pub struct Compression<D> {
         /// β = ρ/ρ0.
         pub(super) beta: f64,
-        /// s (1/m), the slope of β that does not diffuse.
-        pub(super) slope: Vector<D>,
+        /// ½ s (1/m), s the slope of β that does not diffuse.
+        pub(super) half_slope: Vector<D>,
         pub(super) volume: f64,
     }
 }
@@ -87,8 +87,8 @@ impl<const D: usize> PairTerm<D> for Diffusion {
 
     #[inline(always)]
     fn fluid<R: Real>(&self, sum: &mut R, i: &Compression<D, R>, j: &Compression<D, R>, pair: &Pair<D, R>) {
-        let mut psi_ij = i.beta - j.beta;
-        psi_ij.subtract_product((i.slope + j.slope).dot(pair.r_ij), pair.gradient.like(0.5));
+        let half_slopes = i.half_slope + j.half_slope;
+        let psi_ij = half_slopes.dot_plus(-pair.r_ij, i.beta - j.beta);
         sum.add_product(psi_ij, pair.gradient * j.volume);
     }
 
@@ -127,12 +127,12 @@ impl<const D: usize> Strength<D> {
         }
     }
 
-    /// β, s and V of a fluid particle.
+    /// β, ½ s and V of a fluid particle.
     #[inline(always)]
     pub fn compression(&self, m: Mass, rho: Density, rho0: ReferenceDensity, gradient: DVec3) -> Compression<D> {
         Compression {
             beta: rho.0 / rho0.0,
-            slope: self.g_over_b * rho0.0 + Vector::from(gradient) * self.own_slope,
+            half_slope: (self.g_over_b * rho0.0 + Vector::from(gradient) * self.own_slope) * 0.5,
             volume: m.0 / rho.0,
         }
     }
@@ -161,7 +161,7 @@ pub fn density_diffusion<const D: usize>(
     };
     let half_step = 0.5 * clock.time_step;
     let [walls, structures] = [columns(&walls), columns(&structures)].map(|x: &[Position]| {
-        let state = Compression { beta: 1.0, slope: Vector::ZERO, volume: 0.0 };
+        let state = Compression { beta: 1.0, half_slope: Vector::ZERO, volume: 0.0 };
         move |b: usize| Gathered { position: x[b].0.into(), state }
     });
     for (x, v, m, rho, rho0, mut rate) in fluid.contiguous_iter_mut()? {

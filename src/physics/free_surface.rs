@@ -25,7 +25,7 @@ use crate::kernels::SmoothingKernel;
 use crate::lanes::Real;
 use crate::neighbours::{CLUSTER, Near, Neighbours, Pair, PairTerm, Sweep};
 use crate::particles::{
-    Density, Fluid, Gathered, Mass, PIECE, Position, Pressure, Records, ReferenceDensity, Solid, Volume, Wall,
+    Density, Fluid, Gathered, Mass, PIECE, Position, Pressure, Records, ReferenceDensity, Solid, Vector, Volume, Wall,
     Workspace, columns,
 };
 use crate::scene::SceneSettings;
@@ -95,7 +95,7 @@ pub fn free_surface<const D: usize>(
                     let particles = CLUSTER.min(rows.end - first);
                     let known = sums.filling().map(|filling| &filling[first..first + particles]);
                     if !known.is_some_and(|known| known.iter().all(is_clear)) {
-                        sweep.sum(first, particles, |k, sum| settle(first + k, -sum));
+                        sweep.sum(first, particles, |k, sum| settle(first + k, -sum.total()));
                     }
                 }
             },
@@ -104,17 +104,17 @@ pub fn free_surface<const D: usize>(
     Ok(())
 }
 
-/// `−d φ_i = Σ_j V_j r_ij·∇_iW_ij` of volumes.
+/// `−d φ_i = Σ_j V_j r_ij·∇_iW_ij` of volumes, axis by axis: over fluid it is −tr K_i, which another sum may know already.
 pub(super) struct Filling;
 
 impl<const D: usize> PairTerm<D> for Filling {
     type State = f64;
-    type Sum = f64;
+    type Sum = Vector<D>;
 
     #[inline(always)]
-    fn fluid<R: Real>(&self, sum: &mut R, _: &R, volume_j: &R, pair: &Pair<D, R>) {
+    fn fluid<R: Real>(&self, sum: &mut Vector<D, R>, _: &R, volume_j: &R, pair: &Pair<D, R>) {
         let volume_grad_w = pair.r_ij * (pair.gradient * *volume_j);
-        *sum = pair.r_ij.dot_plus(volume_grad_w, *sum);
+        sum.add_products(pair.r_ij, volume_grad_w);
     }
 }
 

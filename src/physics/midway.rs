@@ -9,6 +9,8 @@
 //! Each stage can still be replaced alone: it takes its sum from here if there is one, and makes it by itself if not (in a scene
 //! with plain loops, or where another system stands in for [`Stage::StrainRate`](crate::schedule::Stage)). The bits are the same.
 
+use std::array::from_fn;
+
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -76,8 +78,8 @@ fields! {
         volume: f64,
         /// β of fluid; of a ghost, which does not diffuse, its volume in ∇v.
         beta_or_volume: f64,
-        /// The slope of β of fluid that does not diffuse; of a ghost v_b, Eq. 16.
-        slope_or_velocity: Vector<D>,
+        /// Half the slope of β of fluid that does not diffuse; of a ghost v_b, Eq. 16.
+        half_slope_or_velocity: Vector<D>,
     }
 }
 
@@ -89,7 +91,7 @@ impl<const D: usize, R: Real> Midway<D, R> {
 
     #[inline(always)]
     fn ghost_flow(&self) -> Flow<D, R> {
-        Flow { velocity: self.slope_or_velocity, volume: self.beta_or_volume }
+        Flow { velocity: self.half_slope_or_velocity, volume: self.beta_or_volume }
     }
 
     #[inline(always)]
@@ -99,7 +101,7 @@ impl<const D: usize, R: Real> Midway<D, R> {
 
     #[inline(always)]
     fn compression(&self) -> Compression<D, R> {
-        Compression { beta: self.beta_or_volume, slope: self.slope_or_velocity, volume: self.volume }
+        Compression { beta: self.beta_or_volume, half_slope: self.half_slope_or_velocity, volume: self.volume }
     }
 }
 
@@ -107,9 +109,9 @@ fields! {
     /// The sums of a particle.
     pub struct Sums<D> {
         gradient: (Matrix<D>, Matrix<D>),
-        flux: f64,
+        flux: Vector<D>,
         diffusion: f64,
-        filling: f64,
+        filling: Vector<D>,
     }
 }
 
@@ -123,9 +125,20 @@ impl<const D: usize> PairTerm<D> for Terms {
     #[inline(always)]
     fn fluid<R: Real>(&self, sum: &mut Sums<D, R>, i: &Midway<D, R>, j: &Midway<D, R>, pair: &Pair<D, R>) {
         VelocityGradient.fluid(&mut sum.gradient, &i.flow(), &j.flow(), pair);
-        Continuity.fluid(&mut sum.flux, &i.flux(), &j.flux(), pair);
         Diffusion.fluid(&mut sum.diffusion, &i.compression(), &j.compression(), pair);
-        Filling.fluid(&mut sum.filling, &i.volume, &j.volume, pair);
+    }
+
+    /// What fluid adds to the flux and to the filling stands in the diagonals of L and K, to the bit.
+    #[inline(always)]
+    fn between<R: Real>(&self, Sums { gradient: (l, k), flux, filling, .. }: &mut Sums<D, R>) {
+        *flux = Vector(from_fn(
+            #[inline(always)]
+            |a| -l[a][a],
+        ));
+        *filling = Vector(from_fn(
+            #[inline(always)]
+            |a| -k[a][a],
+        ));
     }
 
     #[inline(always)]
@@ -171,7 +184,7 @@ pub fn midway_sums<const D: usize>(
                     velocity: velocity.into(),
                     volume: volume[b].0,
                     beta_or_volume: flow_volume(volume[b], slip[b]),
-                    slope_or_velocity: v_b[b].0.into(),
+                    half_slope_or_velocity: v_b[b].0.into(),
                 };
                 Gathered { position: position_midway(half_step, x[b], velocity), state }
             }
@@ -179,9 +192,9 @@ pub fn midway_sums<const D: usize>(
     let strength = Strength::<D>::of(&diffusion, &gravity, &state);
     for (x, v, m, rho, rho0, mut shear_rate, mut rate) in fluid.contiguous_iter_mut()? {
         let own = |i: usize| {
-            let Compression { beta, slope, volume } = strength.compression(m[i], rho[i], rho0[i], gradients.of(i));
+            let Compression { beta, half_slope, volume } = strength.compression(m[i], rho[i], rho0[i], gradients.of(i));
             let velocity = v[i].0.into();
-            let state = Midway { velocity, volume, beta_or_volume: beta, slope_or_velocity: slope };
+            let state = Midway { velocity, volume, beta_or_volume: beta, half_slope_or_velocity: half_slope };
             Gathered { position: position_midway(half_step, x[i], v[i].0), state }
         };
         let records = workspace.gather::<D, Midway<D>>(&neighbours.rows, own, walls, structures);
@@ -199,9 +212,9 @@ pub fn midway_sums<const D: usize>(
             let first = piece * PIECE;
             sweep.sum(first, rate.len(), |k, sum| {
                 shear_rate[k].0 = settings.shear_rate(sum.gradient);
-                rate[k].0 = rho[first + k].0 * sum.flux;
+                rate[k].0 = rho[first + k].0 * sum.flux.total();
                 diffusion[k] = sum.diffusion;
-                filling[k] = -sum.filling;
+                filling[k] = -sum.filling.total();
             });
         });
     }

@@ -67,7 +67,7 @@ fields! {
     /// The missing force, and the part of particles at the surface in −d φ.
     struct Control<D> {
         force: Vector<D>,
-        near_surface: f64,
+        near_surface: Vector<D>,
     }
 }
 
@@ -121,7 +121,7 @@ pub fn tensile_control<const D: usize>(
         at_surface.resize(x.len(), 0.0);
         at_surface.par_chunks_mut(PIECE).enumerate().for_each(|(piece, at_surface)| {
             sweep.sum(piece * PIECE, at_surface.len(), |k, filling| {
-                at_surface[k] = if -filling < AT_SURFACE * D as f64 { 1.0 } else { 0.0 };
+                at_surface[k] = if -filling.total() < AT_SURFACE * D as f64 { 1.0 } else { 0.0 };
             });
         });
 
@@ -171,7 +171,7 @@ fn sum_where_tense<const D: usize, P: PressureAverage>(
                 continue;
             }
             sweep.sum(first, particles, |k, sum| {
-                let is_away = at_surface[first + k] == 0.0 && -sum.near_surface <= NEAR_SURFACE * D as f64;
+                let is_away = at_surface[first + k] == 0.0 && -sum.near_surface.total() <= NEAR_SURFACE * D as f64;
                 if p[first + k].0 < 0.0 && is_away {
                     out[start + k] = sum.force.into();
                 }
