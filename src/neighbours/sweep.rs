@@ -1,5 +1,7 @@
 //! The loop over all pairs of the fluid: sums of pair terms.
 
+use std::array::from_fn;
+
 use pulp::{Simd, WithSimd};
 
 use super::clusters::{CLUSTER, ClusterList, MOST};
@@ -143,17 +145,17 @@ impl<const D: usize, T: PairTerm<D>, W: FnMut(usize, T::Sum)> Piece<'_, D, T, W>
     ) -> <T::Sum as Fields>::With<R> {
         let Sweep { kernel, records, term, .. } = self.sweep;
         // Beyond the last particle lanes are filled with it; nobody reads their sums.
-        let own = |k: usize| {
-            let mut lanes = [0.0; CLUSTER];
-            for (lane, number) in lanes.iter_mut().enumerate().take(R::LANES) {
-                *number = records.row((first + lane).min(self.end - 1))[k];
-            }
-            zero.read(&lanes)
-        };
-        let x_i: Vector<D, R> = Vector(std::array::from_fn(own));
+        let rows: [&[f64]; CLUSTER] = from_fn(
+            #[inline(always)]
+            |lane| records.row((first + lane % R::LANES).min(self.end - 1)),
+        );
+        let x_i: Vector<D, R> = Vector(from_fn(
+            #[inline(always)]
+            |k| side_by_side(zero, rows, k),
+        ));
         let i = T::State::build(
             #[inline(always)]
-            |k| own(D + k),
+            |k| side_by_side(zero, rows, D + k),
         );
         let mut sum = T::Sum::build(
             #[inline(always)]
@@ -188,10 +190,19 @@ impl<const D: usize, T: PairTerm<D>, W: FnMut(usize, T::Sum)> Piece<'_, D, T, W>
     }
 }
 
+/// Number `k` of each of the records.
+#[inline(always)]
+fn side_by_side<R: Real>(zero: R, records: [&[f64]; CLUSTER], k: usize) -> R {
+    zero.read(&records.map(
+        #[inline(always)]
+        |numbers| numbers[k],
+    ))
+}
+
 /// r_ij of the particles at `x_i` and the one whose record is `numbers`.
 #[inline(always)]
 fn separation<const D: usize, R: Real>(zero: R, x_i: Vector<D, R>, numbers: &[f64]) -> Vector<D, R> {
-    x_i - Vector(std::array::from_fn(
+    x_i - Vector(from_fn(
         #[inline(always)]
         |k| zero.like(numbers[k]),
     ))

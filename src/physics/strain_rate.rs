@@ -181,11 +181,13 @@ pub(super) fn times_inverse<const ROWS: usize, const D: usize>(
     least: f64,
 ) -> [[f64; D]; ROWS] {
     let cofactors: Matrix<D> = from_fn(|a| from_fn(|b| cofactor(&k, a, b)));
-    let determinant: f64 = (0..D).map(|b| k[0][b] * cofactors[0][b]).sum();
+    let dot = |u: [f64; D], v: [f64; D]| (0..D).map(|c| u[c] * v[c]).sum::<f64>();
+    let determinant = dot(k[0], cofactors[0]);
     if determinant.abs() < least {
         return l;
     }
-    from_fn(|a| from_fn(|b| (0..D).map(|c| l[a][c] * cofactors[b][c]).sum::<f64>() / determinant))
+    let inverse = 1.0 / determinant;
+    l.map(|row| from_fn(|b| dot(row, cofactors[b]) * inverse))
 }
 
 /// Cofactor of k_ab.
