@@ -14,8 +14,9 @@ use crate::lanes::{Real, fields};
 use crate::neighbours::{Neighbours, Pair, PairTerm, Sweep};
 use crate::particles::{Fluid, Gathered, Records, Solid, Vector, Wall, WallVelocity, Workspace, columns};
 use crate::physics::{
-    Contact, FluidColumns, FluidState, ForceSums, Forces, GhostColumns, GhostState, Momentum, MomentumSettings,
-    PressureAverage, ViscousForce, impact_force, mean_viscosity, pair_forces as pair_forces_of, with_forms,
+    Contact, FluidColumns, FluidState, ForceSums, Forces, GhostColumns, GhostState, ImpactPressures, Momentum,
+    MomentumSettings, PressureAverage, ViscousForce, impact_force, mean_viscosity, pair_forces as pair_forces_of,
+    with_forms,
 };
 
 fields! {
@@ -104,16 +105,17 @@ pub(super) fn pair_forces<const D: usize>(
     neighbours: Res<Neighbours>,
     mut workspace: ResMut<Workspace>,
     (mut sheet, mut all): (ResMut<Worksheet>, ResMut<ForceSums>),
+    impact: Res<ImpactPressures>,
     fluid: Query<FluidState, With<Fluid>>,
     walls: Query<(GhostState, &WallVelocity), With<Wall>>,
     structures: Query<(GhostState, &WallVelocity), With<Solid>>,
 ) {
     let (walls, structures) = (ghosts(0.0, columns(&walls)), ghosts(1.0, columns(&structures)));
-    let (x, v, m, rho, p, mu, impact): FluidColumns<'_> = columns(&fluid);
+    let (x, v, m, rho, p, mu): FluidColumns<'_> = columns(&fluid);
     let own = |i: usize| {
         let momentum = Momentum::fluid(v[i], m[i], rho[i], p[i], mu[i]);
         let volume = m[i].0 / rho[i].0;
-        let contact = Contact { momentum, impact: impact[i].0 };
+        let contact = Contact { momentum, impact: impact.of(i) };
         let state = Account { contact, volume, wall_velocity: Vector::ZERO, structure: 0.0 };
         Gathered { position: x[i].0.into(), state }
     };

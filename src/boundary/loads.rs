@@ -19,8 +19,8 @@ use crate::particles::{
     Workspace, columns,
 };
 use crate::physics::{
-    Contact, EquationOfState, FluidColumns, FluidState, GhostState, Momentum, MomentumSettings, PressureAverage,
-    ViscousForce, impact_force, pair_forces, with_forms,
+    Contact, EquationOfState, FluidColumns, FluidState, GhostState, ImpactPressures, Momentum, MomentumSettings,
+    PressureAverage, ViscousForce, impact_force, pair_forces, with_forms,
 };
 
 /// Marks a body as a structure, and says how its load is reported.
@@ -70,16 +70,17 @@ pub fn force_on_particles<const D: usize>(
     state: Res<EquationOfState>,
     neighbours: Res<Neighbours>,
     mut workspace: ResMut<Workspace>,
+    impact: Res<ImpactPressures>,
     fluid: Query<FluidState, With<Fluid>>,
     mut structures: Query<(GhostState, &mut ForceOnParticle), With<Solid>>,
 ) -> Result {
     let chi = state.background_pressure;
     let from_chi = |p: Pressure| Pressure(p.0 - chi);
-    let (x, v, m, rho, p, mu, impact): FluidColumns<'_> = columns(&fluid);
+    let (x, v, m, rho, p, mu): FluidColumns<'_> = columns(&fluid);
     for ((x_s, v_s, volume, rho_s, p_s, slip), mut force) in structures.contiguous_iter_mut()? {
         let fluid = |i: usize| {
             let momentum = Momentum::fluid(v[i], m[i], rho[i], from_chi(p[i]), mu[i]);
-            Gathered { position: x[i].0.into(), state: Contact { momentum, impact: impact[i].0 } }
+            Gathered { position: x[i].0.into(), state: Contact { momentum, impact: impact.of(i) } }
         };
         let solid = |s: usize| {
             let momentum = Momentum::ghost(v_s[s], volume[s], rho_s[s], from_chi(p_s[s]), slip[s]);

@@ -49,7 +49,8 @@ impl SceneSettings for FreeSurface {
 /// φ of a point on a flat surface: below it a particle is detached.
 pub(crate) const LEAST_FILLING: f64 = 0.5;
 
-/// A particle with more than this φ in the middle of the drift is taken not to be detached at its end; below, φ is summed anew there.
+/// A particle with more than this φ in the middle of the drift is taken not to be detached at its end, since φ does not change by as much as
+/// the margin in half a step; below, φ is summed anew there.
 pub(crate) const CLEAR_FILLING: f64 = 0.58;
 
 /// Sets density and pressure of every fluid particle that is detached.
@@ -70,10 +71,8 @@ pub fn free_surface<const D: usize>(
     let [walls, structures] = [columns(&walls), columns(&structures)].map(|(x, volume): (&[Position], &[Volume])| {
         move |b: usize| Gathered { position: x[b].0.into(), state: volume[b].0 }
     });
-    // In half a step φ does not change by as much as the margin.
-    let is_clear = |filled: &f64| *filled > CLEAR_FILLING * D as f64;
     for (x, m, rho0, mut rho, mut p) in fluid.contiguous_iter_mut()? {
-        if sums.filling().is_some_and(|filling| filling.iter().all(is_clear)) {
+        if sums.is_clear().is_some_and(|is_clear| is_clear.iter().all(|is| *is)) {
             continue;
         }
         let (rho, p) = (rho.bypass_change_detection(), p.bypass_change_detection());
@@ -93,8 +92,8 @@ pub fn free_surface<const D: usize>(
                 let rows = piece * PIECE..x.len().min((piece + 1) * PIECE);
                 for first in rows.clone().step_by(CLUSTER) {
                     let particles = CLUSTER.min(rows.end - first);
-                    let known = sums.filling().map(|filling| &filling[first..first + particles]);
-                    if !known.is_some_and(|known| known.iter().all(is_clear)) {
+                    let is_clear = sums.is_clear().map(|is_clear| &is_clear[first..first + particles]);
+                    if !is_clear.is_some_and(|is_clear| is_clear.iter().all(|is| *is)) {
                         sweep.sum(first, particles, |k, sum| settle(first + k, -sum.total()));
                     }
                 }

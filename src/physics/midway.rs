@@ -17,7 +17,7 @@ use rayon::prelude::*;
 
 use super::continuity::{Continuity, Flux};
 use super::diffusion::{Compression, Diffusion, Strength};
-use super::free_surface::Filling;
+use super::free_surface::{CLEAR_FILLING, Filling};
 use super::strain_rate::{Flow, GhostColumns, Ghosts, Matrix, VelocityGradient, flow_volume};
 use super::{CompressionGradients, DensityDiffusion, EquationOfState, Gravity, StrainSettings};
 use crate::clock::Clock;
@@ -34,8 +34,8 @@ use crate::particles::{
 pub struct MidwaySums {
     /// `Σ_j V_j ψ_ij (r_ij·∇_iW_ij)/r²` (1/m²) of each fluid particle.
     diffusion: Vec<f64>,
-    /// d φ_i.
-    filling: Vec<f64>,
+    /// Whether φ_i leaves no doubt that the particle is not detached.
+    is_clear: Vec<bool>,
 }
 
 impl MidwaySums {
@@ -48,15 +48,15 @@ impl MidwaySums {
     /// Forgets the sums: stages make their own until there are new ones.
     pub fn clear(&mut self) {
         self.diffusion.clear();
-        self.filling.clear();
+        self.is_clear.clear();
     }
 
     pub(super) fn diffusion(&self) -> Option<&[f64]> {
         self.are_made().then_some(&self.diffusion)
     }
 
-    pub(super) fn filling(&self) -> Option<&[f64]> {
-        self.are_made().then_some(&self.filling)
+    pub(super) fn is_clear(&self) -> Option<&[bool]> {
+        self.are_made().then_some(&self.is_clear)
     }
 }
 
@@ -199,22 +199,22 @@ pub fn midway_sums<const D: usize>(
         };
         let records = workspace.gather::<D, Midway<D>>(&neighbours.rows, own, walls, structures);
         let sweep = Sweep::new(&neighbours, &*kernel.0, records, Terms);
-        let MidwaySums { diffusion, filling } = &mut *sums;
+        let MidwaySums { diffusion, is_clear } = &mut *sums;
         diffusion.resize(x.len(), 0.0);
-        filling.resize(x.len(), 0.0);
+        is_clear.resize(x.len(), false);
         let out = (
             shear_rate.bypass_change_detection().par_chunks_mut(PIECE),
             rate.bypass_change_detection().par_chunks_mut(PIECE),
             diffusion.par_chunks_mut(PIECE),
-            filling.par_chunks_mut(PIECE),
+            is_clear.par_chunks_mut(PIECE),
         );
-        out.into_par_iter().enumerate().for_each(|(piece, (shear_rate, rate, diffusion, filling))| {
+        out.into_par_iter().enumerate().for_each(|(piece, (shear_rate, rate, diffusion, is_clear))| {
             let first = piece * PIECE;
             sweep.sum(first, rate.len(), |k, sum| {
                 shear_rate[k].0 = settings.shear_rate(sum.gradient);
                 rate[k].0 = rho[first + k].0 * sum.flux.total();
                 diffusion[k] = sum.diffusion;
-                filling[k] = -sum.filling.total();
+                is_clear[k] = -sum.filling.total() > CLEAR_FILLING * D as f64;
             });
         });
     }

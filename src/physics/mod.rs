@@ -44,7 +44,7 @@ pub use strain_rate::{StrainSettings, strain_rate};
 pub use tensile_control::{TensileControl, TensileForces, tensile_control};
 pub use time_step::{TimeStepSettings, next_time_step};
 pub use viscous_force::{CentralForm, LaplacianForm, ViscousForce, ViscousForm};
-pub use wall_impact::{ImpactPressure, WallImpact, wall_impact};
+pub use wall_impact::{ImpactPressures, WallImpact, wall_impact};
 pub use wall_shear::wall_shear;
 
 pub(crate) use compression_gradient::LEAST_RATIO;

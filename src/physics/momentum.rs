@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{ImpactPressure, PressureAverage, PressureForm, ViscousForce, ViscousForm};
+use super::{ImpactPressures, PressureAverage, PressureForm, ViscousForce, ViscousForm};
 use crate::kernels::SmoothingKernel;
 use crate::lanes::{Real, fields};
 use crate::neighbours::{Neighbours, Pair, PairTerm, Sweep};
@@ -208,18 +208,11 @@ macro_rules! with_forms {
 pub(crate) use with_forms;
 
 /// What the forces read of fluid particles.
-pub(crate) type FluidState = (
-    &'static Position,
-    &'static Velocity,
-    &'static Mass,
-    &'static Density,
-    &'static Pressure,
-    &'static Viscosity,
-    &'static ImpactPressure,
-);
+pub(crate) type FluidState =
+    (&'static Position, &'static Velocity, &'static Mass, &'static Density, &'static Pressure, &'static Viscosity);
 /// [`FluidState`] as whole columns.
 pub(crate) type FluidColumns<'a> =
-    (&'a [Position], &'a [Velocity], &'a [Mass], &'a [Density], &'a [Pressure], &'a [Viscosity], &'a [ImpactPressure]);
+    (&'a [Position], &'a [Velocity], &'a [Mass], &'a [Density], &'a [Pressure], &'a [Viscosity]);
 /// What the forces read of ghosts of walls and structures.
 pub(crate) type GhostState =
     (&'static Position, &'static GhostVelocity, &'static Volume, &'static Density, &'static Pressure, &'static Slip);
@@ -234,6 +227,7 @@ pub fn momentum<const D: usize>(
     neighbours: Res<Neighbours>,
     mut workspace: ResMut<Workspace>,
     mut sums: ResMut<ForceSums>,
+    impact: Res<ImpactPressures>,
     mut fluid: Query<(FluidState, &mut Acceleration), With<Fluid>>,
     walls: Query<GhostState, With<Wall>>,
     structures: Query<GhostState, With<Solid>>,
@@ -245,7 +239,7 @@ pub fn momentum<const D: usize>(
                 Gathered { position: x[b].0.into(), state: Contact { momentum, impact: 0.0 } }
             }
         });
-    for ((x, v, m, rho, p, mu, impact), mut acceleration) in fluid.contiguous_iter_mut()? {
+    for ((x, v, m, rho, p, mu), mut acceleration) in fluid.contiguous_iter_mut()? {
         let out = acceleration.bypass_change_detection();
         if std::mem::take(&mut sums.are_new) {
             let each = out.par_iter_mut().with_min_len(GRAIN).with_max_len(PIECE).zip(&sums.forces).zip(m);
@@ -254,7 +248,7 @@ pub fn momentum<const D: usize>(
         }
         let own = |i: usize| {
             let momentum = Momentum::fluid(v[i], m[i], rho[i], p[i], mu[i]);
-            Gathered { position: x[i].0.into(), state: Contact { momentum, impact: impact[i].0 } }
+            Gathered { position: x[i].0.into(), state: Contact { momentum, impact: impact.of(i) } }
         };
         let records = workspace.gather::<D, Contact<D>>(&neighbours.rows, own, walls, structures);
         with_forms!(settings, accelerate::<D>(&neighbours, &kernel, records, m, out));

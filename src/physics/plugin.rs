@@ -9,7 +9,7 @@ use super::divergence::{OutOfRange, explain_divergence};
 use super::equation_of_state::advance_state;
 use super::integration::kick;
 use super::{
-    CompressionGradients, DensityDiffusion, Divergence, Filled, ForceSums, FreeSurface, Gravity, ImpactPressure,
+    CompressionGradients, DensityDiffusion, Divergence, Filled, ForceSums, FreeSurface, Gravity, ImpactPressures,
     MidwaySums, MomentumSettings, Settling, ShiftedMass, Shifting, Shifts, StateSettings, StrainSettings,
     TensileControl, TensileForces, TimeStepSettings, WallImpact, compression_gradient, density_diffusion, density_rate,
     drift, free_surface, ghost_pressure, ghost_velocity, midway_sums, momentum, next_time_step, pair_kernel,
@@ -40,7 +40,7 @@ impl Plugin for PhysicsPlugin {
             .register_scene_section::<Settling>()
             .register_scene_section::<TimeStepSettings>();
 
-        app.register_particle_column::<ImpactPressure>();
+        app.init_resource::<ImpactPressures>().register_saved::<ImpactPressures>();
         app.register_particle_column_for::<Filled, Shifts>();
         app.init_resource::<ShiftedMass>().register_rebuilt::<ShiftedMass>();
         app.init_resource::<TensileForces>().register_rebuilt::<TensileForces>();

@@ -46,9 +46,18 @@ impl SceneSettings for WallImpact {
     const NAME: &'static str = "wall_impact";
 }
 
-/// p^w (Pa) with which walls act on a fluid particle that is about to enter them, beside the pressure.
-#[derive(Component, Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-pub struct ImpactPressure(pub f64);
+/// p^w (Pa) of every fluid particle, row by row, with which walls act on one that is about to enter them, beside the pressure; empty where
+/// nobody computes it.
+#[derive(Resource, Debug, Clone, Default, Serialize, Deserialize)]
+pub struct ImpactPressures(pub Vec<f64>);
+
+impl ImpactPressures {
+    /// That of fluid particle `i`, or zero.
+    #[inline(always)]
+    pub(crate) fn of(&self, i: usize) -> f64 {
+        self.0.get(i).copied().unwrap_or_default()
+    }
+}
 
 /// Σ_b of one fluid particle.
 #[derive(Clone, Copy, Default)]
@@ -67,12 +76,14 @@ pub fn wall_impact(
     state: Res<EquationOfState>,
     neighbours: Res<Neighbours>,
     mut layers: Local<Option<[f64; 2]>>,
-    mut fluid: Query<(&Position, &Velocity, &Density, &ReferenceDensity, &mut ImpactPressure), With<Fluid>>,
+    mut impact: ResMut<ImpactPressures>,
+    fluid: Query<(&Position, &Velocity, &Density, &ReferenceDensity), With<Fluid>>,
     walls: Query<(&Position, &WallVelocity, &Volume), With<Wall>>,
     structures: Query<(&Position, &WallVelocity, &Volume), With<Solid>>,
-) -> Result {
+) {
     if *setting == WallImpact::Off {
-        return Ok(());
+        impact.0.clear();
+        return;
     }
     let (dimension, h) = (resolution.dimension, resolution.smoothing_length);
     let [phi_0, phi_1] = *layers.get_or_insert_with(|| fullness_in_front(&kernel, &resolution));
@@ -83,22 +94,21 @@ pub fn wall_impact(
         positions: [walls.0, structures.0],
         columns: [(walls.1, walls.2), (structures.1, structures.2)],
     };
-    for (x, v, rho, rho0, mut impact) in fluid.contiguous_iter_mut()? {
-        let out = impact.bypass_change_detection().par_iter_mut().with_min_len(GRAIN).with_max_len(PIECE);
-        out.enumerate().for_each(|(i, impact)| {
-            let mut sums = Sums::default();
-            ghosts.each(x[i].0, neighbours.fluid.of(i).ghosts, |(v_w, volume), b, r_ib, gradient| {
-                let volume_grad_w = r_ib * (gradient * volume[b].0);
-                sums.approach += (v[i].0 - v_w[b].0).dot(volume_grad_w);
-                sums.fullness -= r_ib.dot(volume_grad_w);
-            });
-            let phi = sums.fullness / dimension as f64;
-            let s = ((phi - phi_0) / (phi_1 - phi_0)).clamp(0.0, 1.0);
-            let u = 2.0 * h * sums.approach.max(0.0);
-            impact.0 = s * rho[i].0 * state.sound_speed(rho0[i].0) * u;
+    let (x, v, rho, rho0): (&[Position], &[Velocity], &[Density], &[ReferenceDensity]) = columns(&fluid);
+    impact.0.resize(x.len(), 0.0);
+    let each = impact.0.par_iter_mut().with_min_len(GRAIN).with_max_len(PIECE).enumerate();
+    each.for_each(|(i, impact)| {
+        let mut sums = Sums::default();
+        ghosts.each(x[i].0, neighbours.fluid.of(i).ghosts, |(v_w, volume), b, r_ib, gradient| {
+            let volume_grad_w = r_ib * (gradient * volume[b].0);
+            sums.approach += (v[i].0 - v_w[b].0).dot(volume_grad_w);
+            sums.fullness -= r_ib.dot(volume_grad_w);
         });
-    }
-    Ok(())
+        let phi = sums.fullness / dimension as f64;
+        let s = ((phi - phi_0) / (phi_1 - phi_0)).clamp(0.0, 1.0);
+        let u = 2.0 * h * sums.approach.max(0.0);
+        *impact = s * rho[i].0 * state.sound_speed(rho0[i].0) * u;
+    });
 }
 
 /// φ_0 and φ_1 of the run.

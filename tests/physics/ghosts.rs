@@ -3,7 +3,7 @@
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 use storegga::particles::{Fluid, GhostVelocity, Position, Pressure, Velocity, Wall, WallVelocity};
-use storegga::physics::{EquationOfState, Gravity, ImpactPressure};
+use storegga::physics::{EquationOfState, Gravity, ImpactPressures};
 use storegga::scene::{FilledFluids, Resolution};
 
 use crate::support::{advance, app, evaluate, tank};
@@ -80,8 +80,9 @@ fn impact_on_the_floor(dimension: usize, depth: f64, velocity: f64) -> Vec<f64> 
     evaluate(world);
     let first_layer =
         |x: DVec3| x[vertical] < 0.03 && (x.x - 0.5).abs() < 0.3 && (dimension == 2 || (x.y - 0.5).abs() < 0.3);
-    let mut fluid = world.query_filtered::<(&Position, &ImpactPressure), With<Fluid>>();
-    let found: Vec<f64> = fluid.iter(world).filter(|(x, _)| first_layer(x.0)).map(|(_, impact)| impact.0).collect();
+    let mut fluid = world.query_filtered::<&Position, With<Fluid>>();
+    let impact = &world.resource::<ImpactPressures>().0;
+    let found: Vec<f64> = fluid.iter(world).zip(impact).filter(|(x, _)| first_layer(x.0)).map(|(_, p)| *p).collect();
     assert!(found.len() > 10, "only {} particles compared", found.len());
     found
 }
