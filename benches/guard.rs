@@ -21,16 +21,16 @@ const ROUNDS: u32 = 60;
 /// Sweeps over the pairs of the fluid in a step: the middle of the drift, and the forces.
 const SWEEPS: usize = 2;
 
-/// The kernel may take this many times what one root and one division a pair take. Seen: 1.3 with AVX2.
+/// The kernel may take this many times what one root and one division a pair take. Seen: 1.3 to 1.4 with AVX2, 1.3 with AVX-512.
 const MOST_ROOTS: f64 = 1.7;
 
-/// A step may take this many times what the kernel takes for its pairs. Seen: 3.2 with AVX2.
-const MOST_KERNELS: f64 = 3.9;
+/// A step may take this many times what the kernel takes for its pairs. Seen: 2.5 with AVX-512.
+const MOST_KERNELS: f64 = 3.3;
 
-/// The plain loops take at least this many times as long as the fast ones. Seen: 3.0 with AVX2.
+/// The plain loops take at least this many times as long as the fast ones. Seen: 3.0 with AVX2, 3.1 to 3.2 with AVX-512.
 const LEAST_GAIN: f64 = 2.4;
 
-/// New lists may take this many steps. Seen: 0.5 with AVX2.
+/// New lists may take this many steps. Seen: 0.5 with both.
 const MOST_STEPS_A_LIST: f64 = 0.75;
 
 fn main() -> Result<(), rayon::ThreadPoolBuildError> {

@@ -1,18 +1,22 @@
 //! What this machine can do at most, for [the page on speed](../docs/speed.md): `cargo bench --profile dev --bench roofline`.
 //!
 //! One thread. Fused products, and roots with divisions, as fast as the processor takes them; bytes from memory; and the kernel, whose
-//! pairs the loops over pairs cannot outrun. The last line is the share of a run that the frames of a log take.
+//! pairs the loops over pairs cannot outrun. Then what a pair of the lists takes in the two sweeps of a step. The last line is the share of a run
+//! that the frames of a log take.
 
 mod support;
 
 use std::hint::black_box;
 use std::time::Instant;
 
+use bevy_ecs::system::IntoSystem;
 use pulp::{Arch, Simd, WithSimd};
 use storegga::clock::Clock;
 use storegga::kernels::SmoothingKernel;
 use storegga::log::{Column, FLUID_FIELDS, LogWriter};
+use storegga::neighbours::Neighbours;
 use storegga::particles::{Fluid, Position, Workspace};
+use storegga::physics;
 use support::{step, tank};
 
 /// Rounds; the fastest counts.
@@ -28,6 +32,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{:<44}{:>9.2} GB/s", "bytes read and written, a = b + s c", bytes / seconds / 1e9);
     let (pairs, seconds) = kernel();
     println!("{:<44}{:>9.2} G/s", "(dW/dr)/r of the quintic, r² near", pairs / seconds / 1e9);
+    sweeps(2, "0.002", physics::midway_sums::<2>, physics::momentum::<2>);
+    sweeps(3, "0.005", physics::midway_sums::<3>, physics::momentum::<3>);
     share_of_log()
 }
 
@@ -107,6 +113,23 @@ fn kernel() -> (f64, f64) {
         }
         256e3
     })
+}
+
+/// Prints how many pairs the lists of the tank have, and what one takes in either sweep.
+fn sweeps<A, B>(
+    dimension: usize,
+    spacing: &str,
+    midway: impl IntoSystem<(), (), A> + 'static,
+    momentum: impl IntoSystem<(), (), B> + 'static,
+) {
+    let (mut app, particles) = tank(dimension, &[("spacing", spacing)]);
+    let world = app.world_mut();
+    let pairs = world.resource::<Neighbours>().fluid.len() as f64;
+    println!("{:<44}{:>9.2}", format!("{dimension}D: pairs listed, a fluid particle"), pairs / particles as f64);
+    for (name, system) in [("1", world.register_system(midway)), ("2", world.register_system(momentum))] {
+        let (_, seconds) = fastest_of(ROUNDS, || assert!(world.run_system(system).is_ok(), "a stage fails"));
+        println!("{:<44}{:>9.2} ns", format!("{dimension}D: a pair in sweep {name}"), 1e9 * seconds / pairs);
+    }
 }
 
 /// Simulated seconds between two frames.
