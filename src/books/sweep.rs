@@ -14,9 +14,9 @@ use crate::lanes::{Real, fields};
 use crate::neighbours::{Neighbours, Pair, PairTerm, Sweep};
 use crate::particles::{Fluid, Gathered, Records, Solid, Vector, Wall, WallVelocity, Workspace, columns};
 use crate::physics::{
-    Contact, FluidColumns, FluidState, ForceSums, Forces, GhostColumns, GhostState, ImpactPressures, Momentum,
-    MomentumSettings, PressureAverage, ViscousForce, impact_force, mean_viscosity, pair_forces as pair_forces_of,
-    with_forms,
+    Contact, FluidColumns, FluidState, ForceSum, ForceSums, Forces, GhostColumns, GhostState, ImpactPressures,
+    Momentum, MomentumSettings, PressureAverage, ViscousForce, impact_force, mean_viscosity,
+    pair_forces as pair_forces_of, with_forms,
 };
 
 fields! {
@@ -35,7 +35,7 @@ fields! {
 fields! {
     /// Forces on a fluid particle, and what walls and structures do with those that are theirs.
     pub(super) struct Parts<D> {
-        all: Vector<D>,
+        all: ForceSum<D>,
         viscous: Vector<D>,
         impact: Vector<D>,
         ghosts: Vector<D>,
@@ -58,7 +58,7 @@ impl<const D: usize, P: PressureAverage, V: ViscousForce> PairTerm<D> for Apart<
 
     #[inline(always)]
     fn fluid<R: Real>(&self, sum: &mut Parts<D, R>, own: &Account<D, R>, other: &Account<D, R>, pair: &Pair<D, R>) {
-        Forces::<P, V>::default().fluid(&mut sum.all, &own.contact, &other.contact, pair);
+        Forces::<P, V>::default().fluid(&mut sum.all, &own.contact.momentum, &other.contact.momentum, pair);
         let (i, j) = (&own.contact.momentum, &other.contact.momentum);
         let mu_ij = mean_viscosity(i.viscosity, j.viscosity);
         V::add_to(&mut sum.viscous, mu_ij, i, j, pair);
@@ -68,7 +68,7 @@ impl<const D: usize, P: PressureAverage, V: ViscousForce> PairTerm<D> for Apart<
 
     #[inline(always)]
     fn ghost<R: Real>(&self, sum: &mut Parts<D, R>, own: &Account<D, R>, body: &Account<D, R>, pair: &Pair<D, R>) {
-        Forces::<P, V>::default().ghost(&mut sum.all, &own.contact, &body.contact, pair);
+        Forces::<P, V>::default().ghost(&mut sum.all, &own.contact.momentum, &body.contact.momentum, pair);
         let (i, b) = (&own.contact.momentum, &body.contact.momentum);
         let (pressure, viscous) = pair_forces_of::<D, R, P, V>(i.viscosity * b.viscosity, i, b, pair);
         let impact = impact_force(own.contact.impact, i, b, pair);
@@ -126,7 +126,7 @@ pub(super) fn pair_forces<const D: usize>(
     sheet.forces.resize(x.len(), PairForces::default());
     sheet.body_blocks.resize(x.len().div_ceil(BLOCK), BodySums::default());
     let out = (&mut all.forces[..], &mut sheet.forces[..], &mut sheet.body_blocks[..]);
-    with_forms!(settings, tell_apart::<D>(&neighbours, &kernel, records, out));
+    with_forms!(settings, tell_apart::<D>(&neighbours, &kernel, records, &impact, out));
     sheet.bodies = sum(sheet.body_blocks.iter().copied());
 }
 
@@ -134,6 +134,7 @@ fn tell_apart<const D: usize, P: PressureAverage, V: ViscousForce>(
     neighbours: &Neighbours,
     kernel: &SmoothingKernel,
     records: Records<'_, D, Account<D>>,
+    impact: &ImpactPressures,
     (all, forces, blocks): (&mut [DVec3], &mut [PairForces], &mut [BodySums]),
 ) {
     let sweep = Sweep::new(neighbours, &*kernel.0, records, Apart::<P, V>(PhantomData));
@@ -142,7 +143,7 @@ fn tell_apart<const D: usize, P: PressureAverage, V: ViscousForce>(
         *bodies = BodySums::default();
         sweep.sum(block * BLOCK, forces.len(), |k, sums| {
             *bodies += sums.of_bodies();
-            all[k] = sums.all.into();
+            all[k] = sums.all.total(impact.of(block * BLOCK + k)).into();
             forces[k] = sums.into();
         });
     });

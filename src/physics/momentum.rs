@@ -89,17 +89,16 @@ pub(super) fn add_pressure<const D: usize, R: Real, P: PressureAverage>(
     force.subtract_product(pair.r_ij, P::average(i, j) * pair.gradient);
 }
 
-/// Adds the force with which the impact pressure `impact` = p^w (Pa) between a fluid particle and a ghost drives i from j. It
+/// Adds the force with which an impact pressure p^w of 1 Pa between a fluid particle and a ghost drives i from j. It
 /// counts as a pressure of both: either average of `p + p^w` is that of p, and p^w (V_i² + V_j²).
 #[inline(always)]
-fn add_impact<const D: usize, R: Real>(
+fn add_unit_impact<const D: usize, R: Real>(
     force: &mut Vector<D, R>,
-    impact: R,
     i: &Momentum<D, R>,
     j: &Momentum<D, R>,
     pair: &Pair<D, R>,
 ) {
-    force.subtract_product(pair.r_ij, impact * (i.squared_volume + j.squared_volume) * pair.gradient);
+    force.subtract_product(pair.r_ij, (i.squared_volume + j.squared_volume) * pair.gradient);
 }
 
 /// (Pressure force, viscous force) on particle i from particle j, with mean viscosity `mu_ij`.
@@ -125,17 +124,35 @@ pub(crate) fn impact_force<const D: usize, R: Real>(
     pair: &Pair<D, R>,
 ) -> Vector<D, R> {
     let mut force = Vector([impact.like(0.0); D]);
-    add_impact(&mut force, impact, i, j, pair);
-    force
+    add_unit_impact(&mut force, i, j, pair);
+    force * impact
 }
 
 fields! {
-    /// What the forces need of a fluid particle that walls may stop.
+    /// What tells forces apart needs of a fluid particle that walls may stop.
     pub struct Contact<D> {
         /// What all forces need.
         pub momentum: Momentum<D>,
         /// p^w (Pa) of a fluid particle.
         pub impact: f64,
+    }
+}
+
+fields! {
+    /// The sum of pair forces on a fluid particle (N; N/m in 2D).
+    pub(crate) struct ForceSum<D> {
+        /// All but that of the impact pressure.
+        others: Vector<D>,
+        /// That of an impact pressure of 1 Pa, `−Σ_b (V_i² + V_b²) ∇_iW_ib`: the p^w of a particle acts alike on all ghosts.
+        of_unit_impact: Vector<D>,
+    }
+}
+
+impl<const D: usize> ForceSum<D> {
+    /// The whole force with the impact pressure `impact` = p^w (Pa).
+    #[inline(always)]
+    pub(crate) fn total(self, impact: f64) -> Vector<D> {
+        self.others + self.of_unit_impact * impact
     }
 }
 
@@ -166,22 +183,22 @@ impl ForceSums {
 }
 
 impl<const D: usize, P: PressureAverage, V: ViscousForce> PairTerm<D> for Forces<P, V> {
-    type State = Contact<D>;
-    type Sum = Vector<D>;
+    type State = Momentum<D>;
+    type Sum = ForceSum<D>;
 
     #[inline(always)]
-    fn fluid<R: Real>(&self, sum: &mut Vector<D, R>, i: &Contact<D, R>, j: &Contact<D, R>, pair: &Pair<D, R>) {
-        let mu_ij = mean_viscosity(i.momentum.viscosity, j.momentum.viscosity);
-        add_pressure::<D, R, P>(sum, &i.momentum, &j.momentum, pair);
-        V::add_to(sum, mu_ij, &i.momentum, &j.momentum, pair);
+    fn fluid<R: Real>(&self, sum: &mut ForceSum<D, R>, i: &Momentum<D, R>, j: &Momentum<D, R>, pair: &Pair<D, R>) {
+        let mu_ij = mean_viscosity(i.viscosity, j.viscosity);
+        add_pressure::<D, R, P>(&mut sum.others, i, j, pair);
+        V::add_to(&mut sum.others, mu_ij, i, j, pair);
     }
 
     #[inline(always)]
-    fn ghost<R: Real>(&self, sum: &mut Vector<D, R>, i: &Contact<D, R>, b: &Contact<D, R>, pair: &Pair<D, R>) {
-        let mu_ib = i.momentum.viscosity * b.momentum.viscosity;
-        add_pressure::<D, R, P>(sum, &i.momentum, &b.momentum, pair);
-        add_impact(sum, i.impact, &i.momentum, &b.momentum, pair);
-        V::add_to(sum, mu_ib, &i.momentum, &b.momentum, pair);
+    fn ghost<R: Real>(&self, sum: &mut ForceSum<D, R>, i: &Momentum<D, R>, b: &Momentum<D, R>, pair: &Pair<D, R>) {
+        let mu_ib = i.viscosity * b.viscosity;
+        add_pressure::<D, R, P>(&mut sum.others, i, b, pair);
+        add_unit_impact(&mut sum.of_unit_impact, i, b, pair);
+        V::add_to(&mut sum.others, mu_ib, i, b, pair);
     }
 }
 
@@ -235,8 +252,8 @@ pub fn momentum<const D: usize>(
     let [walls, structures] =
         [columns(&walls), columns(&structures)].map(|(x, v, volume, rho, p, slip): GhostColumns<'_>| {
             move |b: usize| {
-                let momentum = Momentum::ghost(v[b], volume[b], rho[b], p[b], slip[b]);
-                Gathered { position: x[b].0.into(), state: Contact { momentum, impact: 0.0 } }
+                let state = Momentum::ghost(v[b], volume[b], rho[b], p[b], slip[b]);
+                Gathered { position: x[b].0.into(), state }
             }
         });
     for ((x, v, m, rho, p, mu), mut acceleration) in fluid.contiguous_iter_mut()? {
@@ -247,11 +264,11 @@ pub fn momentum<const D: usize>(
             continue;
         }
         let own = |i: usize| {
-            let momentum = Momentum::fluid(v[i], m[i], rho[i], p[i], mu[i]);
-            Gathered { position: x[i].0.into(), state: Contact { momentum, impact: impact.of(i) } }
+            let state = Momentum::fluid(v[i], m[i], rho[i], p[i], mu[i]);
+            Gathered { position: x[i].0.into(), state }
         };
-        let records = workspace.gather::<D, Contact<D>>(&neighbours.rows, own, walls, structures);
-        with_forms!(settings, accelerate::<D>(&neighbours, &kernel, records, m, out));
+        let records = workspace.gather::<D, Momentum<D>>(&neighbours.rows, own, walls, structures);
+        with_forms!(settings, accelerate::<D>(&neighbours, &kernel, records, (m, &impact), out));
     }
     Ok(())
 }
@@ -259,15 +276,16 @@ pub fn momentum<const D: usize>(
 fn accelerate<const D: usize, P: PressureAverage, V: ViscousForce>(
     neighbours: &Neighbours,
     kernel: &SmoothingKernel,
-    records: Records<'_, D, Contact<D>>,
-    m: &[Mass],
+    records: Records<'_, D, Momentum<D>>,
+    (m, impact): (&[Mass], &ImpactPressures),
     out: &mut [Acceleration],
 ) {
     let sweep = Sweep::new(neighbours, &*kernel.0, records, Forces::<P, V>::default());
     out.par_chunks_mut(PIECE).enumerate().for_each(|(piece, acceleration)| {
         let first = piece * PIECE;
-        sweep.sum(first, acceleration.len(), |k, force| {
-            acceleration[k].0 = (force * (1.0 / m[first + k].0)).into();
+        sweep.sum(first, acceleration.len(), |k, sum| {
+            let i = first + k;
+            acceleration[k].0 = (sum.total(impact.of(i)) * (1.0 / m[i].0)).into();
         });
     });
 }
