@@ -14,15 +14,17 @@ use crate::lanes::{Real, fields};
 use crate::neighbours::{Neighbours, Pair, PairTerm, Sweep};
 use crate::particles::{Fluid, Gathered, Records, Solid, Vector, Wall, WallVelocity, Workspace, columns};
 use crate::physics::{
-    Contact, FluidColumns, FluidState, ForceSum, ForceSums, Forces, GhostColumns, GhostState, ImpactPressures,
-    Momentum, MomentumSettings, PressureAverage, ViscousForce, impact_force, mean_viscosity,
-    pair_forces as pair_forces_of, with_forms,
+    FluidColumns, FluidState, ForceSum, ForceSums, Forces, GhostColumns, GhostState, ImpactPressures, Momentum,
+    MomentumSettings, PressureAverage, ViscousForce, impact_force, mean_viscosity, pair_forces as pair_forces_of,
+    with_forms,
 };
 
 fields! {
     /// What the books need of a particle.
     pub(super) struct Account<D> {
-        contact: Contact<D>,
+        momentum: Momentum<D>,
+        /// p^w of fluid.
+        impact: f64,
         /// V.
         volume: f64,
         /// v_w of a ghost.
@@ -58,8 +60,8 @@ impl<const D: usize, P: PressureAverage, V: ViscousForce> PairTerm<D> for Apart<
 
     #[inline(always)]
     fn fluid<R: Real>(&self, sum: &mut Parts<D, R>, own: &Account<D, R>, other: &Account<D, R>, pair: &Pair<D, R>) {
-        Forces::<P, V>::default().fluid(&mut sum.all, &own.contact.momentum, &other.contact.momentum, pair);
-        let (i, j) = (&own.contact.momentum, &other.contact.momentum);
+        Forces::<P, V>::default().fluid(&mut sum.all, &own.momentum, &other.momentum, pair);
+        let (i, j) = (&own.momentum, &other.momentum);
         let mu_ij = mean_viscosity(i.viscosity, j.viscosity);
         V::add_to(&mut sum.viscous, mu_ij, i, j, pair);
         let compression = (i.pressure + j.pressure) * own.volume * other.volume;
@@ -68,10 +70,10 @@ impl<const D: usize, P: PressureAverage, V: ViscousForce> PairTerm<D> for Apart<
 
     #[inline(always)]
     fn ghost<R: Real>(&self, sum: &mut Parts<D, R>, own: &Account<D, R>, body: &Account<D, R>, pair: &Pair<D, R>) {
-        Forces::<P, V>::default().ghost(&mut sum.all, &own.contact.momentum, &body.contact.momentum, pair);
-        let (i, b) = (&own.contact.momentum, &body.contact.momentum);
+        Forces::<P, V>::default().ghost(&mut sum.all, &own.momentum, &body.momentum, pair);
+        let (i, b) = (&own.momentum, &body.momentum);
         let (pressure, viscous) = pair_forces_of::<D, R, P, V>(i.viscosity * b.viscosity, i, b, pair);
-        let impact = impact_force(own.contact.impact, i, b, pair);
+        let impact = impact_force(own.impact, i, b, pair);
         let ghost = pressure + pair.grad_w() * (i.pressure * own.volume * body.volume);
         let force = pressure + viscous + impact;
         sum.viscous += viscous;
@@ -92,8 +94,8 @@ fn ghosts<'a, const D: usize>(
 ) -> impl Fn(usize) -> Gathered<D, Account<D>> + Sync + Send + use<'a, D> {
     move |b: usize| {
         let momentum = Momentum::ghost(v[b], volume[b], rho[b], p[b], slip[b]);
-        let contact = Contact { momentum, impact: 0.0 };
-        let state = Account { contact, volume: volume[b].0, wall_velocity: v_w[b].0.into(), structure };
+        let impact = 0.0;
+        let state = Account { momentum, impact, volume: volume[b].0, wall_velocity: v_w[b].0.into(), structure };
         Gathered { position: x[b].0.into(), state }
     }
 }
@@ -115,8 +117,8 @@ pub(super) fn pair_forces<const D: usize>(
     let own = |i: usize| {
         let momentum = Momentum::fluid(v[i], m[i], rho[i], p[i], mu[i]);
         let volume = m[i].0 / rho[i].0;
-        let contact = Contact { momentum, impact: impact.of(i) };
-        let state = Account { contact, volume, wall_velocity: Vector::ZERO, structure: 0.0 };
+        let impact = impact.of(i);
+        let state = Account { momentum, impact, volume, wall_velocity: Vector::ZERO, structure: 0.0 };
         Gathered { position: x[i].0.into(), state }
     };
     let records = workspace.gather::<D, Account<D>>(&neighbours.rows, own, walls, structures);

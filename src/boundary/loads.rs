@@ -19,7 +19,7 @@ use crate::particles::{
     Workspace, columns,
 };
 use crate::physics::{
-    Contact, EquationOfState, FluidColumns, FluidState, GhostState, ImpactPressures, Momentum, MomentumSettings,
+    EquationOfState, FluidColumns, FluidState, GhostState, ImpactPressures, Momentum, MomentumSettings,
     PressureAverage, ViscousForce, impact_force, pair_forces, with_forms,
 };
 
@@ -79,41 +79,41 @@ pub fn force_on_particles<const D: usize>(
     let (x, v, m, rho, p, mu): FluidColumns<'_> = columns(&fluid);
     for ((x_s, v_s, volume, rho_s, p_s, slip), mut force) in structures.contiguous_iter_mut()? {
         let fluid = |i: usize| {
-            let momentum = Momentum::fluid(v[i], m[i], rho[i], from_chi(p[i]), mu[i]);
-            Gathered { position: x[i].0.into(), state: Contact { momentum, impact: impact.of(i) } }
+            let state = Momentum::fluid(v[i], m[i], rho[i], from_chi(p[i]), mu[i]);
+            Gathered { position: x[i].0.into(), state }
         };
         let solid = |s: usize| {
-            let momentum = Momentum::ghost(v_s[s], volume[s], rho_s[s], from_chi(p_s[s]), slip[s]);
-            Gathered { position: x_s[s].0.into(), state: Contact { momentum, impact: 0.0 } }
+            let state = Momentum::ghost(v_s[s], volume[s], rho_s[s], from_chi(p_s[s]), slip[s]);
+            Gathered { position: x_s[s].0.into(), state }
         };
         // Structures list fluid only: the walls' records are never read.
-        let records = workspace.gather::<D, Contact<D>>(&neighbours.rows, fluid, |_| solid(0), solid);
+        let records = workspace.gather::<D, Momentum<D>>(&neighbours.rows, fluid, |_| solid(0), solid);
         let out = force.bypass_change_detection();
-        with_forms!(settings, sum_forces::<D>(&neighbours, records, out));
+        with_forms!(settings, sum_forces::<D>(&neighbours, records, &impact, out));
     }
     Ok(())
 }
 
 fn sum_forces<const D: usize, P: PressureAverage, V: ViscousForce>(
     neighbours: &Neighbours,
-    records: Records<'_, D, Contact<D>>,
+    records: Records<'_, D, Momentum<D>>,
+    impact: &ImpactPressures,
     out: &mut [ForceOnParticle],
 ) {
     let first = neighbours.rows.fluid + neighbours.rows.walls;
     out.par_iter_mut().with_min_len(GRAIN).with_max_len(PIECE).enumerate().for_each(|(s, force)| {
         let own = &records.get(first + s);
-        let solid = &own.state.momentum;
+        let solid = &own.state;
         let (mut pressure_force, mut viscous_force) = (Vector::ZERO, Vector::ZERO);
         sum_pairs(
             own,
             neighbours.structures.of(s),
             records,
             #[inline(always)]
-            |other, pair| {
-                let fluid = &other.momentum;
+            |row, fluid, pair| {
                 let mu_sf = solid.viscosity * fluid.viscosity;
                 let (pressure, viscous) = pair_forces::<D, f64, P, V>(mu_sf, solid, fluid, pair);
-                pressure_force += pressure + impact_force(other.impact, solid, fluid, pair);
+                pressure_force += pressure + impact_force(impact.of(neighbours.rows.source(row)), solid, fluid, pair);
                 viscous_force += viscous;
             },
         );

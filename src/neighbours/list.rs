@@ -146,20 +146,20 @@ impl<const D: usize, R: Real> Pair<D, R> {
     }
 }
 
-/// Calls `term(neighbour, pair)` for every listed pair of the ghost `own`.
+/// Calls `term(row, neighbour, pair)` for every listed pair of the ghost `own`.
 #[inline(always)]
 pub fn sum_pairs<const D: usize, T: Fields<With<f64> = T>>(
     own: &Gathered<D, T>,
     pairs: Pairs<'_>,
     records: Records<'_, D, T>,
-    mut term: impl FnMut(&T, &Pair<D>),
+    mut term: impl FnMut(u32, &T, &Pair<D>),
 ) {
     one_by_one(
         #[inline(always)]
         || {
             for (&row, &gradient) in pairs.rows.iter().zip(pairs.gradients) {
                 let other = records.get(row as usize);
-                term(&other.state, &Pair { r_ij: own.position - other.position, gradient });
+                term(row, &other.state, &Pair { r_ij: own.position - other.position, gradient });
             }
         },
     );

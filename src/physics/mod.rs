@@ -35,7 +35,7 @@ pub use ghost_pressure::ghost_pressure;
 pub use ghost_velocity::ghost_velocity;
 pub use integration::drift;
 pub use midway::{MidwaySums, midway_sums};
-pub use momentum::{Contact, ForceSums, Momentum, MomentumSettings, momentum};
+pub use momentum::{ForceSums, Momentum, MomentumSettings, momentum};
 pub use pair_kernel::pair_kernel;
 pub use plugin::PhysicsPlugin;
 pub use pressure_force::{DensityWeighted, PressureAverage, PressureForm, VolumeWeighted};

@@ -129,16 +129,6 @@ pub(crate) fn impact_force<const D: usize, R: Real>(
 }
 
 fields! {
-    /// What tells forces apart needs of a fluid particle that walls may stop.
-    pub struct Contact<D> {
-        /// What all forces need.
-        pub momentum: Momentum<D>,
-        /// p^w (Pa) of a fluid particle.
-        pub impact: f64,
-    }
-}
-
-fields! {
     /// The sum of pair forces on a fluid particle (N; N/m in 2D).
     pub(crate) struct ForceSum<D> {
         /// All but that of the impact pressure.
