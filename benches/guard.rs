@@ -24,8 +24,9 @@ const SWEEPS: usize = 2;
 /// The kernel may take this many times what one root and one division a pair take. Seen: 1.3 to 1.4 with AVX2, 1.3 with AVX-512.
 const MOST_ROOTS: f64 = 1.7;
 
-/// A step may take this many times what the kernel takes for its pairs. Seen: 2.5 with AVX-512.
-const MOST_KERNELS: f64 = 3.3;
+/// A step may take this many times what the kernel takes for its pairs. Seen: 2.5 with AVX-512; 2.9 to 3.2 with AVX2, before sweep 1 was
+/// shortened.
+const MOST_KERNELS: f64 = 3.4;
 
 /// The plain loops take at least this many times as long as the fast ones. Seen: 3.0 with AVX2, 3.1 to 3.2 with AVX-512.
 const LEAST_GAIN: f64 = 2.4;

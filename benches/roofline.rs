@@ -115,7 +115,8 @@ fn kernel() -> (f64, f64) {
     })
 }
 
-/// Prints how many pairs the lists of the tank have, and what one takes in either sweep.
+/// Prints how many pairs the lists of the tank have, and what one takes in the sweep over the middle of the drift (1) and that over its end (2), what is
+/// done once a particle included.
 fn sweeps<A, B>(
     dimension: usize,
     spacing: &str,

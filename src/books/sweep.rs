@@ -23,7 +23,7 @@ fields! {
     /// What the books need of a particle.
     pub(super) struct Account<D> {
         momentum: Momentum<D>,
-        /// p^w of fluid.
+        /// p^w of fluid (Pa).
         impact: f64,
         /// V.
         volume: f64,

@@ -38,9 +38,9 @@ pub trait PairTerm<const D: usize>: Sync {
         self.fluid(sum, i, j, pair);
     }
 
-    /// Called between the last fluid particle and the first ghost.
+    /// Called when all fluid was added, before the first ghost if there is any.
     #[inline(always)]
-    fn between<R: Real>(&self, _sum: &mut <Self::Sum as Fields>::With<R>) {}
+    fn after_fluid<R: Real>(&self, _sum: &mut <Self::Sum as Fields>::With<R>) {}
 }
 
 /// One sweep: a term, what it reads of every row, and the kernel.
@@ -144,7 +144,7 @@ impl<const D: usize, T: PairTerm<D>, W: FnMut(usize, T::Sum)> Piece<'_, D, T, W>
         batch: &mut [f64; BATCH],
     ) -> <T::Sum as Fields>::With<R> {
         let Sweep { kernel, records, term, .. } = self.sweep;
-        // Beyond the last particle lanes are filled with it; nobody reads their sums.
+        // Beyond the last particle lanes are filled with it, and beyond the last lane with the first: nobody reads their sums.
         let rows: [&[f64]; CLUSTER] = from_fn(
             #[inline(always)]
             |lane| records.row((first + lane % R::LANES).min(self.end - 1)),
@@ -163,7 +163,7 @@ impl<const D: usize, T: PairTerm<D>, W: FnMut(usize, T::Sum)> Piece<'_, D, T, W>
         );
         for (rows, is_fluid) in [(fluid, true), (ghosts, false)] {
             if !is_fluid {
-                term.between::<R>(&mut sum);
+                term.after_fluid::<R>(&mut sum);
             }
             for rows in rows.chunks(BATCH / R::LANES) {
                 for (&row, out) in rows.iter().zip(batch.chunks_exact_mut(R::LANES)) {

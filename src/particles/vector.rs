@@ -42,7 +42,7 @@ impl<const D: usize, R: Real> Vector<D, R> {
 
     /// Adds the products whose sum is a·b, each to its own component.
     #[inline(always)]
-    pub fn add_products(&mut self, a: Self, b: Self) {
+    pub fn add_each_product(&mut self, a: Self, b: Self) {
         for k in 0..D {
             self.0[k].add_product(a.0[k], b.0[k]);
         }

@@ -41,7 +41,7 @@ impl<const D: usize> PairTerm<D> for Continuity {
     #[inline(always)]
     fn fluid<R: Real>(&self, sum: &mut Vector<D, R>, i: &Flux<D, R>, j: &Flux<D, R>, pair: &Pair<D, R>) {
         let v_ij = i.velocity - j.velocity;
-        sum.add_products(v_ij, pair.r_ij * (pair.gradient * j.volume));
+        sum.add_each_product(v_ij, pair.r_ij * (pair.gradient * j.volume));
     }
 }
 

@@ -49,7 +49,7 @@ impl SceneSettings for FreeSurface {
 /// φ of a point on a flat surface: below it a particle is detached.
 pub(crate) const LEAST_FILLING: f64 = 0.5;
 
-/// A particle with more than this φ in the middle of the drift is taken not to be detached at its end, since φ does not change by as much as
+/// A particle with more than this φ in the middle of the drift is taken not to be detached at its end, as if φ did not change by as much as
 /// the margin in half a step; below, φ is summed anew there.
 pub(crate) const CLEAR_FILLING: f64 = 0.58;
 
@@ -113,7 +113,7 @@ impl<const D: usize> PairTerm<D> for Filling {
     #[inline(always)]
     fn fluid<R: Real>(&self, sum: &mut Vector<D, R>, _: &R, volume_j: &R, pair: &Pair<D, R>) {
         let volume_grad_w = pair.r_ij * (pair.gradient * *volume_j);
-        sum.add_products(pair.r_ij, volume_grad_w);
+        sum.add_each_product(pair.r_ij, volume_grad_w);
     }
 }
 

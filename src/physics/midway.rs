@@ -4,7 +4,7 @@
 //! During the drift particles move by `Δt v`; v is the velocity of its middle, and so what follows from v is summed over the
 //! positions of the middle, `x − ½Δt v`. All of it needs the same neighbours and the same ∇W, and to find these takes longer than to
 //! add up. So the sums are made together, ahead of the stages that they belong to. Their terms stand in the files of
-//! those stages, and here is only what puts them together.
+//! those stages, and here is only what puts them together. Two of them need no sums of their own for fluid: they are the traces of L and K.
 //!
 //! Each stage can still be replaced alone: it takes its sum from here if there is one, and makes it by itself if not (in a scene
 //! with plain loops, or where another system stands in for [`Stage::StrainRate`](crate::schedule::Stage)). The bits are the same.
@@ -29,7 +29,7 @@ use crate::particles::{
     Wall, WallAcceleration, WallVelocity, Workspace, columns,
 };
 
-/// Sums that wait for their stages; empty where each stage makes its own.
+/// What waits for its stages; empty where each stage makes its own sums.
 #[derive(Resource, Default)]
 pub struct MidwaySums {
     /// `Σ_j V_j ψ_ij (r_ij·∇_iW_ij)/r²` (1/m²) of each fluid particle.
@@ -71,7 +71,7 @@ pub(super) fn position_midway<const D: usize>(half_step: f64, x: Position, veloc
 }
 
 fields! {
-    /// What the sums need of a particle: eight numbers in 2D, one line of the cache.
+    /// What the sums need of a particle: with its position eight numbers in 2D, 64 bytes.
     pub struct Midway<D> {
         /// v; of a ghost v_w.
         velocity: Vector<D>,
@@ -109,8 +109,10 @@ fields! {
     /// The sums of a particle.
     pub struct Sums<D> {
         gradient: (Matrix<D>, Matrix<D>),
+        /// `Σ_j V_j v_ij·∇_iW_ij`, axis by axis.
         flux: Vector<D>,
         diffusion: f64,
+        /// `Σ_j V_j r_ij·∇_iW_ij`, axis by axis.
         filling: Vector<D>,
     }
 }
@@ -128,16 +130,17 @@ impl<const D: usize> PairTerm<D> for Terms {
         Diffusion.fluid(&mut sum.diffusion, &i.compression(), &j.compression(), pair);
     }
 
-    /// What fluid adds to the flux and to the filling stands in the diagonals of L and K, to the bit.
+    /// Over fluid `Σ_j V_j v_ij·∇_iW_ij = −tr L_i` and `Σ_j V_j r_ij·∇_iW_ij = −tr K_i`, to the bit: the same products in the same order.
+    /// (Minus taken from 0, so that a sum to which nothing was added stays +0.)
     #[inline(always)]
-    fn between<R: Real>(&self, Sums { gradient: (l, k), flux, filling, .. }: &mut Sums<D, R>) {
+    fn after_fluid<R: Real>(&self, Sums { gradient: (l, k), flux, filling, .. }: &mut Sums<D, R>) {
         *flux = Vector(from_fn(
             #[inline(always)]
-            |a| -l[a][a],
+            |a| l[a][a].like(0.0) - l[a][a],
         ));
         *filling = Vector(from_fn(
             #[inline(always)]
-            |a| -k[a][a],
+            |a| k[a][a].like(0.0) - k[a][a],
         ));
     }
 

@@ -1,8 +1,8 @@
 //! Conservation of momentum, Eqs. 6 and 12: pressure and viscous force between particles.
 //!
-//! `dv_i/dt = (1/m_i) Σ_j [−(pressure average) ∇_iW_ij + viscous force]`. The two pair terms stand in
-//! [`pressure_force`](super::PressureAverage) and [`viscous_force`](super::ViscousForce); each is antisymmetric, so total
-//! momentum is conserved to round-off.
+//! `dv_i/dt = (1/m_i) {Σ_j [−(pressure average) ∇_iW_ij + viscous force] − p^w_i Σ_b (V_i² + V_b²) ∇_iW_ib}`. The two pair terms stand in
+//! [`pressure_force`](super::PressureAverage) and [`viscous_force`](super::ViscousForce), the impact pressure p^w of walls and structures in
+//! [`wall_impact`](super::WallImpact); each is antisymmetric, so total momentum is conserved to round-off.
 
 use std::marker::PhantomData;
 
@@ -129,11 +129,11 @@ pub(crate) fn impact_force<const D: usize, R: Real>(
 }
 
 fields! {
-    /// The sum of pair forces on a fluid particle (N; N/m in 2D).
+    /// The sum of pair forces on a fluid particle.
     pub(crate) struct ForceSum<D> {
-        /// All but that of the impact pressure.
+        /// All but that of the impact pressure (N; N/m in 2D).
         others: Vector<D>,
-        /// That of an impact pressure of 1 Pa, `−Σ_b (V_i² + V_b²) ∇_iW_ib`: the p^w of a particle acts alike on all ghosts.
+        /// `−Σ_b (V_i² + V_b²) ∇_iW_ib` (m²; m in 2D), the force for each Pa of impact pressure: the p^w of a particle acts alike on all ghosts.
         of_unit_impact: Vector<D>,
     }
 }

@@ -40,7 +40,7 @@ impl Plugin for PhysicsPlugin {
             .register_scene_section::<Settling>()
             .register_scene_section::<TimeStepSettings>();
 
-        app.init_resource::<ImpactPressures>().register_saved::<ImpactPressures>();
+        app.init_resource::<ImpactPressures>().register_rebuilt::<ImpactPressures>();
         app.register_particle_column_for::<Filled, Shifts>();
         app.init_resource::<ShiftedMass>().register_rebuilt::<ShiftedMass>();
         app.init_resource::<TensileForces>().register_rebuilt::<TensileForces>();

@@ -173,7 +173,7 @@ pub(super) fn symmetric<const D: usize>(upper: Matrix<D>) -> Matrix<D> {
     from_fn(|a| from_fn(|b| upper[a.min(b)][a.max(b)]))
 }
 
-/// `L K⁻¹` of gradients in rows, K⁻¹ being the transposed matrix of cofactors over the determinant; L itself where the
+/// `L K⁻¹` of gradients in rows, K⁻¹ being the transposed matrix of cofactors times one over the determinant; L itself where the
 /// determinant is less than `least`.
 pub(super) fn times_inverse<const ROWS: usize, const D: usize>(
     l: [[f64; D]; ROWS],

@@ -64,7 +64,7 @@ fields! {
 }
 
 fields! {
-    /// The missing force, and the part of particles at the surface in −d φ.
+    /// The missing force, and the part of particles at the surface in −d φ, axis by axis.
     struct Control<D> {
         force: Vector<D>,
         near_surface: Vector<D>,

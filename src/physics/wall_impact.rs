@@ -47,15 +47,16 @@ impl SceneSettings for WallImpact {
 }
 
 /// p^w (Pa) of every fluid particle, row by row, with which walls act on one that is about to enter them, beside the pressure; empty where
-/// nobody computes it.
-#[derive(Resource, Debug, Clone, Default, Serialize, Deserialize)]
+/// nobody computes it. It holds from [`Stage::WallImpact`](crate::schedule::Stage) to the end of the step: who replaces that stage
+/// writes all rows in every step, since they are re-sorted between steps.
+#[derive(Resource, Debug, Clone, Default)]
 pub struct ImpactPressures(pub Vec<f64>);
 
 impl ImpactPressures {
     /// That of fluid particle `i`, or zero.
     #[inline(always)]
     pub(crate) fn of(&self, i: usize) -> f64 {
-        self.0.get(i).copied().unwrap_or_default()
+        if self.0.is_empty() { 0.0 } else { self.0[i] }
     }
 }
 

@@ -5,6 +5,8 @@ use glam::DVec3;
 use storegga::boundary::Load;
 use storegga::clock::Clock;
 use storegga::particles::{Acceleration, Fluid, Mass, Position, Velocity};
+use storegga::physics::ImpactPressures;
+use storegga::scene::Resolution;
 
 use crate::support::{Noise, advance, app, disturb, evaluate, periodic_box};
 
@@ -84,6 +86,39 @@ fn a_structure_feels_what_it_does_to_the_fluid() {
             let difference = (load.force() + on_fluid).length();
             assert!(difference < 1e-13 * scale, "{dimension}D {forms:?}: {difference} of {scale} N");
         }
+    }
+}
+
+/// What the impact pressure does to the fluid it does to the structure, here one that a periodic side cuts.
+#[test]
+fn a_structure_feels_the_impact_of_fluid_that_enters_it() {
+    for (dimension, center, body) in [
+        (2, DVec3::new(0.0, 0.5, 0.0), "Circle(center: (0.0, 0.5), radius: 0.2)"),
+        (3, DVec3::new(0.0, 0.5, 0.5), "Sphere(center: (0.0, 0.5, 0.5), radius: 0.25)"),
+    ] {
+        let text = scene(dimension, &format!(r#"structures: {{ "body": (shape: {body}) }},"#));
+        let mut app = app(&text, &["equation_of_state.background_pressure=0.0"]);
+        let world = app.world_mut();
+        let inwards = |x: DVec3| {
+            let arm = x - center;
+            -(arm - DVec3::X * arm.x.round()).normalize()
+        };
+        let mut noise = Noise(31);
+        disturb(world, dimension, 0.0, |x| inwards(x) + 0.5 * noise.vector(dimension));
+        let half_spacing = 0.5 * world.resource::<Resolution>().spacing;
+        for mut x in world.query_filtered::<&mut Position, With<Fluid>>().iter_mut(world) {
+            let towards = inwards(x.0);
+            x.0 += half_spacing * towards;
+        }
+        evaluate(world);
+        let greatest = world.resource::<ImpactPressures>().0.iter().copied().fold(0.0, f64::max);
+        assert!(greatest > 1000.0, "{dimension}D: an impact pressure of {greatest} Pa");
+        let mut fluid = world.query_filtered::<(&Mass, &Acceleration), With<Fluid>>();
+        let forces = fluid.iter(world).map(|(m, a)| m.0 * a.0);
+        let (on_fluid, scale) = forces.fold((DVec3::ZERO, 0.0), |(sum, scale), f| (sum + f, scale + f.length()));
+        let load = *world.query::<&Load>().single(world).expect("one structure");
+        let difference = (load.force() + on_fluid).length();
+        assert!(difference < 1e-13 * scale, "{dimension}D: {difference} of {scale} N");
     }
 }
 

@@ -9,12 +9,12 @@ use storegga::app::{PaperPlugins, StoreggaApp, open};
 use storegga::boundary::Load;
 use storegga::checkpoint::{check_state, restore_state, save_state};
 use storegga::neighbours::Neighbours;
-use storegga::particles::{Density, Fluid, ParticleId, Position, Pressure, Velocity, Viscosity};
+use storegga::particles::{Density, DensityRate, Fluid, ParticleId, Position, Pressure, Velocity, Viscosity};
 use storegga::physics::strain_rate;
 use storegga::scene::Document;
 use storegga::schedule::Stage;
 
-use crate::support::{advance, app, disturb, evaluate, periodic_box, tank};
+use crate::support::{advance, app, cube, disturb, evaluate, periodic_box, tank};
 
 /// A column of liquid that collapses: things move, lists are rebuilt, particles are re-sorted.
 fn collapse(dimension: usize) -> String {
@@ -146,6 +146,41 @@ fn fast_loops_give_the_bits_of_plain_ones() {
         let [plain, fast] = [plain, fast].map(|scene| scene.replace("probes: {", "probes: { \"books\": Books(),"));
         assert!(bits(&plain, 1, steps) == bits(&fast, 2, steps), "and with books, in {dimension}D");
     }
+}
+
+/// Where nothing moves, sums are zero, and zeros have a sign too.
+#[test]
+fn zeros_have_the_same_sign_in_fast_and_plain_loops() {
+    for dimension in [2, 3] {
+        let rates = |loops: &str| {
+            let mut app = app(&cube(dimension, 6, &format!("diffusion: Off, neighbours: (loops: {loops}),")), &[]);
+            let world = app.world_mut();
+            world
+                .query_filtered::<&DensityRate, With<Fluid>>()
+                .iter(world)
+                .map(|rate| rate.0.to_bits())
+                .collect::<Vec<_>>()
+        };
+        assert!(rates("Plain") == rates("Fast"), "in {dimension}D");
+    }
+}
+
+/// Without the stage of the impact pressure there is none, as if it were off.
+#[test]
+fn a_step_without_impact_pressures_is_one_with_them_off() {
+    struct Without;
+    impl Plugin for Without {
+        fn build(&self, app: &mut App) {
+            app.set_stage(Stage::WallImpact, || {}, || {});
+        }
+    }
+    let particles = |app: App| bits_of(app, 1, 300).0;
+    let scene = stream(2);
+    let off = scene.replace("tensile_control", "wall_impact: Off, tensile_control");
+    let document = Document::parse("test.ron", &scene).expect("the scene is right");
+    let without = particles(open((PaperPlugins, Without), document).expect("the scene is right"));
+    assert!(without == particles(app(&off, &[])), "other bits");
+    assert!(without != particles(app(&scene, &[])), "nothing met a wall");
 }
 
 /// A stage that is put in charge anew makes its sum by itself: strain rate, continuity, diffusion and free surface do when
