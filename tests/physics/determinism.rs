@@ -10,7 +10,7 @@ use storegga::boundary::Load;
 use storegga::checkpoint::{check_state, restore_state, save_state};
 use storegga::neighbours::Neighbours;
 use storegga::particles::{Density, DensityRate, Fluid, ParticleId, Position, Pressure, Velocity, Viscosity};
-use storegga::physics::strain_rate;
+use storegga::physics::{MidwaySums, density_diffusion, density_rate, free_surface, strain_rate};
 use storegga::scene::Document;
 use storegga::schedule::Stage;
 
@@ -184,20 +184,35 @@ fn a_step_without_impact_pressures_is_one_with_them_off() {
 }
 
 /// A stage that is put in charge anew makes its sum by itself: strain rate, continuity, diffusion and free surface do when
-/// nobody has made their sums ahead.
+/// nobody has made their sums ahead, be it from the first of them on or from a later one.
 #[test]
 fn stages_alone_give_the_bits_of_their_sums_made_together() {
-    struct Alone;
+    struct Alone(Stage);
     impl Plugin for Alone {
         fn build(&self, app: &mut App) {
-            app.set_stage(Stage::StrainRate, strain_rate::<2>, strain_rate::<3>);
+            let forget = |mut sums: ResMut<MidwaySums>| sums.clear();
+            let stage = self.0;
+            match stage {
+                Stage::StrainRate => app.set_stage(stage, strain_rate::<2>, strain_rate::<3>),
+                Stage::Continuity => {
+                    app.set_stage(stage, (forget, density_rate::<2>).chain(), (forget, density_rate::<3>).chain())
+                }
+                Stage::Diffusion => {
+                    let two = (forget, density_diffusion::<2>).chain();
+                    app.set_stage(stage, two, (forget, density_diffusion::<3>).chain())
+                }
+                _ => app.set_stage(stage, (forget, free_surface::<2>).chain(), (forget, free_surface::<3>).chain()),
+            };
         }
     }
     for dimension in [2, 3] {
         let (scene, steps) = (stream(dimension), if dimension == 2 { 300 } else { 60 });
-        let document = Document::parse("test.ron", &scene).expect("the scene is right");
-        let alone = open((PaperPlugins, Alone), document).expect("the scene is right");
-        assert!(bits_of(alone, 1, steps) == bits(&scene, 1, steps), "other bits in {dimension}D");
+        let together = bits(&scene, 1, steps);
+        for stage in [Stage::StrainRate, Stage::Continuity, Stage::Diffusion, Stage::FreeSurface] {
+            let document = Document::parse("test.ron", &scene).expect("the scene is right");
+            let alone = open((PaperPlugins, Alone(stage)), document).expect("the scene is right");
+            assert!(bits_of(alone, 1, steps) == together, "other bits with {stage:?} alone in {dimension}D");
+        }
     }
 }
 
