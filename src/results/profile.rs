@@ -1,5 +1,9 @@
 //! Profiles: what particles make along a line.
 
+use std::collections::{BTreeMap, HashMap};
+
+use glam::DVec3;
+
 use super::Frame;
 
 /// Which way is up: y in the plane, z in space.
@@ -11,21 +15,47 @@ pub fn vertical_axis(dimension: usize) -> usize {
 /// The upper surface of a phase: places one `spacing` (m) apart along x, and the height (m) of the top of the highest particle within
 /// one spacing of each, half a spacing above its centre. Places without a particle are left out.
 ///
-/// A drop above the surface counts too; in space it is the highest over all y.
+/// Grains, drops and threads do not count: particles with less than five others of the phase within two spacings. In space it is the highest
+/// over all y.
 #[must_use]
 pub fn upper_surface(frame: &Frame, phase: usize, dimension: usize, spacing: f64) -> Vec<[f64; 2]> {
     let up = vertical_axis(dimension);
-    let mut heights = std::collections::BTreeMap::new();
-    for (x, of) in frame.positions().zip(frame.values("phase")) {
-        if *of == phase as f64 {
-            let left = (x[0] / spacing).floor() as i64;
-            for place in [left, left + 1] {
-                let height = heights.entry(place).or_insert(f64::NEG_INFINITY);
-                *height = x[up].max(*height);
-            }
+    let of_phase = frame.positions().zip(frame.values("phase")).filter(|(_, of)| **of == phase as f64);
+    let positions: Vec<[f64; 3]> = of_phase.map(|(x, _)| x).collect();
+    let mut heights = BTreeMap::new();
+    for x in in_company(&positions, TOGETHER * spacing) {
+        let left = (x[0] / spacing).floor() as i64;
+        for place in [left, left + 1] {
+            let height = heights.entry(place).or_insert(f64::NEG_INFINITY);
+            *height = x[up].max(*height);
         }
     }
     heights.into_iter().map(|(place, height)| [place as f64 * spacing, height + 0.5 * spacing]).collect()
+}
+
+/// Particles so far apart (in spacings) are together. A particle on a flat surface has seven others so near, one in a thread four.
+const TOGETHER: f64 = 2.0;
+
+/// With so many others a particle is part of a body.
+const LEAST_COMPANY: usize = 5;
+
+/// The positions that have [`LEAST_COMPANY`] others within `distance` (m).
+fn in_company(positions: &[[f64; 3]], distance: f64) -> impl Iterator<Item = [f64; 3]> {
+    // A little more, so that the second on a lattice counts whatever the rounding.
+    let distance = 1.01 * distance;
+    let cell = move |x: [f64; 3]| x.map(|x| (x / distance).floor() as i64);
+    let mut cells: HashMap<[i64; 3], Vec<[f64; 3]>> = HashMap::new();
+    for &x in positions {
+        cells.entry(cell(x)).or_default().push(x);
+    }
+    let company = move |x: [f64; 3]| {
+        let [i, j, k] = cell(x);
+        let around =
+            (i - 1..=i + 1).flat_map(|i| (j - 1..=j + 1).flat_map(move |j| (k - 1..=k + 1).map(move |k| [i, j, k])));
+        let near = around.filter_map(|cell| cells.get(&cell)).flatten();
+        near.filter(|y| DVec3::from(x).distance(DVec3::from(**y)) < distance).count() - 1
+    };
+    positions.iter().copied().filter(move |x| company(*x) >= LEAST_COMPANY)
 }
 
 /// Support of the interpolation along a line, in spacings.
@@ -100,6 +130,24 @@ mod tests {
             assert!(surface.iter().all(|[_, height]| (height - top).abs() < 1e-12), "{surface:?}");
             assert!((surface[3][0] - 0.15).abs() < 1e-12);
         }
+    }
+
+    #[test]
+    fn grains_drops_and_threads_are_no_surface() {
+        let mut frame = block();
+        // A grain, a drop of three, and a thread that stands on the block.
+        let thread = (0..6).map(|k| (0.775, 1.025 + 0.05 * f64::from(k)));
+        let above: Vec<(f64, f64)> =
+            [(0.2, 1.4), (0.5, 1.3), (0.55, 1.3), (0.525, 1.34)].into_iter().chain(thread).collect();
+        for (field, value) in [("x", 0), ("y", 1), ("phase", 2), ("pressure", 3)] {
+            let values = &mut frame.fields.iter_mut().find(|known| known.name == field).expect("it has it").values;
+            values.extend(above.iter().map(|(x, y)| [*x, *y, 1.0, 0.0][value]));
+        }
+        frame.count += above.len();
+        let surface = upper_surface(&frame, 1, 2, 0.05);
+        // The foot of the thread has the block below it.
+        assert!(surface.iter().all(|[_, height]| *height > 0.999 && *height < 1.11), "{surface:?}");
+        assert_eq!(upper_surface(&block(), 1, 2, 0.05).len(), surface.len());
     }
 
     #[test]
