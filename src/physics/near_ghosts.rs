@@ -1,4 +1,4 @@
-//! The ghosts near one fluid particle, for the stages that add up what walls and structures do to it alone.
+//! The ghosts near one fluid particle, for the stages that add up what walls and structures do to it alone; and what they add up to beside a flat wall.
 
 use glam::DVec3;
 
@@ -46,4 +46,18 @@ impl<C: Copy> NearGhosts<'_, C> {
             Some(structure) => (1, structure),
         }
     }
+}
+
+/// Rings or shells of equal thickness in the integral over a half-space.
+const SHELLS: usize = 512;
+
+/// `∫ w(r) F(r) dr` from `distance` (m) to the edge of the support, `F = (dW/dr)/r`: what a half-space of wall at that distance adds up to, its rings
+/// (in 2D arcs) weighted by w.
+pub(super) fn half_space(kernel: &SmoothingKernel, distance: f64, weight: impl Fn(f64) -> f64) -> f64 {
+    let thickness = (kernel.0.radius() - distance).max(0.0) / SHELLS as f64;
+    let radius = |shell: usize| distance + (shell as f64 + 0.5) * thickness;
+    let mut gradients: [f64; SHELLS] = std::array::from_fn(|shell| radius(shell).powi(2));
+    kernel.0.gradients(&mut gradients);
+    let shells = gradients.into_iter().enumerate();
+    shells.map(|(shell, gradient)| gradient * weight(radius(shell))).sum::<f64>() * thickness
 }

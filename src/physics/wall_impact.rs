@@ -23,7 +23,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::EquationOfState;
-use super::near_ghosts::NearGhosts;
+use super::near_ghosts::{NearGhosts, half_space};
 use crate::kernels::SmoothingKernel;
 use crate::neighbours::Neighbours;
 use crate::particles::{
@@ -117,21 +117,12 @@ pub(crate) fn fullness_in_front(kernel: &SmoothingKernel, resolution: &Resolutio
     [0.45, 0.25].map(|spacings| wall_fullness(kernel, resolution.dimension, spacings * resolution.spacing))
 }
 
-/// Rings or shells of equal thickness in the integral over a half-space.
-const SHELLS: usize = 512;
-
 /// φ at `distance` (m) in front of a flat wall: `−(1/d) ∫ r·∇W` over the half-space behind it.
 fn wall_fullness(kernel: &SmoothingKernel, dimension: usize, distance: f64) -> f64 {
-    let thickness = (kernel.0.radius() - distance).max(0.0) / SHELLS as f64;
-    let radius = |shell: usize| distance + (shell as f64 + 0.5) * thickness;
-    let mut gradients: [f64; SHELLS] = std::array::from_fn(|shell| radius(shell).powi(2));
-    kernel.0.gradients(&mut gradients);
-    let behind = |r: f64| {
-        // Arc or cap of the circle or sphere of radius r that lies behind the wall.
-        if dimension == 2 { 2.0 * r * (distance / r).acos() } else { 2.0 * PI * r * (r - distance) }
-    };
-    let shells = gradients.into_iter().enumerate().map(|(shell, gradient)| (radius(shell), gradient));
-    -shells.map(|(r, gradient)| r * r * gradient * behind(r)).sum::<f64>() * thickness / dimension as f64
+    // r² times the arc or cap of the circle or sphere of radius r that lies behind the wall.
+    let behind =
+        |r: f64| r * r * if dimension == 2 { 2.0 * r * (distance / r).acos() } else { 2.0 * PI * r * (r - distance) };
+    -half_space(kernel, distance, behind) / dimension as f64
 }
 
 #[cfg(test)]

@@ -29,7 +29,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::StrainSettings;
-use super::near_ghosts::NearGhosts;
+use super::near_ghosts::{NearGhosts, half_space};
 use crate::kernels::SmoothingKernel;
 use crate::neighbours::Neighbours;
 use crate::particles::{
@@ -72,22 +72,14 @@ impl Distances {
     }
 }
 
-/// Rings or shells of equal thickness in the integral over a half-space.
-const SHELLS: usize = 512;
-
 /// W₁ (1/m) at `distance` (m): `−∫ n·∇W` over the half-space behind a flat wall.
 fn wall_kernel(kernel: &SmoothingKernel, dimension: usize, distance: f64) -> f64 {
-    let thickness = (kernel.0.radius() - distance).max(0.0) / SHELLS as f64;
-    let radius = |shell: usize| distance + (shell as f64 + 0.5) * thickness;
-    let mut gradients: [f64; SHELLS] = std::array::from_fn(|shell| radius(shell).powi(2));
-    kernel.0.gradients(&mut gradients);
+    // r ∫ cos θ over the arc or cap of the circle or sphere of radius r that lies behind the wall.
     let along_normal = |r: f64| {
-        // ∫ cos θ over the arc or cap of the circle or sphere of radius r that lies behind the wall.
         let squared = r * r - distance * distance;
-        if dimension == 2 { 2.0 * squared.sqrt() } else { PI * squared }
+        r * if dimension == 2 { 2.0 * squared.sqrt() } else { PI * squared }
     };
-    let shells = gradients.into_iter().enumerate().map(|(shell, gradient)| (radius(shell), gradient));
-    -shells.map(|(r, gradient)| r * gradient * along_normal(r)).sum::<f64>() * thickness
+    -half_space(kernel, distance, along_normal)
 }
 
 /// Δv/d_i over γ̇_i up to which the layer at the wall counts as resolved.
