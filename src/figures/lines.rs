@@ -83,8 +83,7 @@ impl LineFigure {
 
     fn draw_curve<DB: DrawingBackend>(&self, k: usize, axes: &Axes, area: &DrawingArea<DB, Shift>) -> DrawResult {
         let (curve, style) = (&self.curves[k], colour(k).stroke_width(CURVE));
-        let marks = marks(k, curve);
-        if marks == Marks::Rings {
+        if curve.marks == Marks::Rings {
             for point in curve.points.iter().filter(|point| axes.holds(**point)) {
                 area.draw(&Circle::new(axes.pixel(*point), 7, BLACK.stroke_width(2))).map_err(words)?;
             }
@@ -92,9 +91,9 @@ impl LineFigure {
         }
         for part in curve.points.split(|point| !axes.holds(*point)).filter(|part| !part.is_empty()) {
             let pixels = part.iter().map(|point| axes.pixel(*point));
-            draw_line(area, pixels, marks, style)?;
+            draw_line(area, pixels, is_dashed(k, curve), style)?;
         }
-        if marks == Marks::Dots {
+        if curve.marks == Marks::Dots {
             for point in curve.points.iter().filter(|point| axes.holds(**point)) {
                 area.draw(&Circle::new(axes.pixel(*point), DOT, colour(k).filled())).map_err(words)?;
             }
@@ -110,7 +109,7 @@ impl LineFigure {
             if curve.marks == Marks::Rings {
                 area.draw(&Circle::new((x + 24, y), 7, BLACK.stroke_width(2))).map_err(words)?;
             } else {
-                draw_line(area, [(x, y), (x + 48, y)].into_iter(), marks(k, curve), colour(k).stroke_width(CURVE))?;
+                draw_line(area, [(x, y), (x + 48, y)].into_iter(), is_dashed(k, curve), colour(k).stroke_width(CURVE))?;
             }
             write(area, &curve.name, (x + 62, y), (HPos::Left, VPos::Center))?;
         }
@@ -150,19 +149,19 @@ impl Figure for LineFigure {
     }
 }
 
-/// How curve number `k` is drawn: where colours come again, by dashes.
-fn marks(k: usize, curve: &Curve) -> Marks {
-    if k >= COLOURS.len() && curve.marks == Marks::Line { Marks::Dashes } else { curve.marks }
+/// Whether the line of curve number `k` is dashed: it is where colours come again, too.
+fn is_dashed(k: usize, curve: &Curve) -> bool {
+    curve.marks == Marks::Dashes || k >= COLOURS.len()
 }
 
 /// Joins pixels by a line, dashed if it shall be.
 fn draw_line<DB: DrawingBackend>(
     area: &DrawingArea<DB, Shift>,
     pixels: impl Iterator<Item = (i32, i32)> + Clone,
-    marks: Marks,
+    is_dashed: bool,
     style: ShapeStyle,
 ) -> DrawResult {
-    if marks == Marks::Dashes {
+    if is_dashed {
         area.draw(&DashedPathElement::new(pixels, DASH.0, DASH.1, style)).map_err(words)
     } else {
         // Piece by piece: where a thick line turns back, its joint would be a spike far beyond the axes.

@@ -15,8 +15,8 @@ use crate::scene::{Invalid, unknown};
 ///
 /// `p = [Σ_f p_f W_f + g·Σ_f ρ_f (x − x_f) W_f] / Σ_f W_f`
 ///
-/// At rest it is exact up to the curvature of p over a kernel, on a wall and off it. There is no number while no particle is
-/// within 1.5 spacings: the place is dry, and the pressure of the fluid below or before it is not its own.
+/// At rest it is exact up to the curvature of p over a kernel, on a wall and off it. While no particle is within 1.5 spacings, the
+/// place is dry, and the pressure of the fluid below or before it is not its own: there is no number then, or that of `dry`.
 ///
 /// What is averaged over is the kernel's reach, whatever the size of the sensor that it stands for.
 #[derive(Component, Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -29,6 +29,10 @@ pub struct PressurePoint {
     #[serde(default)]
     #[schemars(extend("derived" = "stays where it is"))]
     pub moves_with: Option<String>,
+    /// What it reads while it is dry (Pa): a sensor in a wall reads the pressure of the air, 0.
+    #[serde(default)]
+    #[schemars(extend("unit" = "Pa", "derived" = "no number"))]
+    pub dry: Option<f64>,
     #[serde(skip)]
     motion: Motion,
 }
@@ -76,6 +80,8 @@ impl Probe for PressurePoint {
         }
         if nearest <= DRY * state.resolution.spacing {
             row[0] = (sum_pw + state.gravity.now.dot(sum_rho_r_w)) / sum_w;
+        } else if let Some(dry) = self.dry {
+            row[0] = dry;
         }
     }
 }
@@ -92,6 +98,7 @@ mod tests {
             "side": PressurePoint(at: (0, 0.1)),
             "above": PressurePoint(at: (0.2, 0.9)),
             "little_above": PressurePoint(at: (0.2, 0.42)),
+            "in_air": PressurePoint(at: (0.2, 0.42), dry: 0.0),
             "just_above": PressurePoint(at: (0.2, 0.416)),
         },"#;
         let mut app = opened(&scene(TANK, probes));
@@ -107,6 +114,7 @@ mod tests {
         // The highest particles, at (0.2 ± 0.01, 0.39), are 0.028 and 0.032 m away: within 0.03 m and not.
         app.assert("just_above.pressure", -9.81 * 16.0, 1e-9);
         assert!(app.value("little_above.pressure").is_some_and(f64::is_nan));
+        app.assert("in_air.pressure", 0.0, 0.0);
     }
 
     /// A sensor in the side of a box that has turned by half: it lies where the other side was.

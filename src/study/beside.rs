@@ -18,6 +18,9 @@ pub struct Beside {
     pub x: String,
     /// Name of the column of values.
     pub y: String,
+    /// What is added to `x`: the time (s) of a run at which the clock of a measurement shows 0.
+    #[serde(default)]
+    pub shift: f64,
     /// What it is called in a figure; by default the name of the file.
     #[serde(default)]
     pub name: String,
@@ -42,7 +45,7 @@ impl Beside {
             _ => invalid,
         };
         let table = CsvTable::read(&SceneFile { path: path.clone(), bytes }, &self.x, &self.y).map_err(own)?;
-        self.points = table.rows().iter().map(|(x, y)| [*x, *y]).collect();
+        self.points = table.rows().iter().map(|(x, y)| [*x + self.shift, *y]).collect();
         if self.name.is_empty() {
             self.name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         }

@@ -69,6 +69,9 @@ pub struct Measure {
     /// A curve that all its values are compared with, in the place of `take`: the measure is R² (Eq. 22).
     #[serde(default)]
     pub against: Option<Beside>,
+    /// Cutoff (Hz) of the filter through which the number goes first, as in `storegga forces`; `None` for the number as it was logged.
+    #[serde(default)]
+    pub cutoff: Option<f64>,
     /// Least and greatest value that is asked for, of the last run of the study that is done.
     #[serde(default)]
     pub asked: Option<(f64, f64)>,
@@ -96,6 +99,9 @@ pub enum FigureSpec {
     Series {
         /// The measured number: `<series>.<field>`.
         of: String,
+        /// Cutoff (Hz) of the filter, as in a measure.
+        #[serde(default)]
+        cutoff: Option<f64>,
         /// Measurements beside them.
         #[serde(default)]
         beside: Vec<Beside>,

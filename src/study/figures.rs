@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::document::FigureSpec;
 use super::names::safe;
-use super::{Drawn, Plan, PlannedRun, Row};
+use super::{Drawn, Plan, PlannedRun, Row, Source};
 use crate::error::UserError;
 use crate::figures::{Curve, Figure, LineFigure, Marks, labelled, save};
 use crate::number::short;
@@ -25,7 +25,7 @@ pub fn write_figures(plan: &Plan, rows: &[Row], folder: &Path) -> Result<Vec<(us
                 (format!("{of} over {}", label(plan, over)), measure(plan, rows, of, over, by.as_deref()))
             }
             (FigureSpec::Series { of, .. }, Drawn::Series(source)) => {
-                (of.clone(), curves(plan, rows, k, axes_of(of, &source.unit)))
+                (of.clone(), curves(plan, rows, k, axes_of(of, source)))
             }
             (FigureSpec::Surface { of, at }, _) => {
                 let axes = ["x (m)".to_owned(), format!("surface of {of} at {} s (m)", short(*at))];
@@ -105,9 +105,10 @@ fn curves(plan: &Plan, rows: &[Row], k: usize, axes: [String; 2]) -> LineFigure 
 }
 
 /// The axes of a number over time.
-fn axes_of(of: &str, unit: &str) -> [String; 2] {
+fn axes_of(of: &str, source: &Source) -> [String; 2] {
     let name = of.rsplit_once('.').map_or(of.to_owned(), |(series, field)| format!("{series}: {field}"));
-    ["time (s)".to_owned(), labelled(&name, unit)]
+    let name = source.cutoff.map_or(name.clone(), |cutoff| format!("{name} below {} Hz", short(cutoff)));
+    ["time (s)".to_owned(), labelled(&name, &source.unit)]
 }
 
 /// What tells a curve from others: the varied values `by` of its runs.

@@ -17,6 +17,7 @@ use crate::estimate::Estimate;
 use crate::expect::{Take, find_number};
 use crate::log::{FLUID_FIELDS, ParticleCounts, ParticleFields};
 use crate::number::short;
+use crate::outputs::{OutputKind, OutputTimes};
 use crate::phases::phases;
 use crate::probes::Series;
 use crate::scene::schema::{scene_schema, unit_at};
@@ -100,7 +101,7 @@ impl PlannedRun {
 }
 
 /// Where a number stands in a log.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Source {
     /// Topic of its series.
     pub topic: String,
@@ -108,6 +109,8 @@ pub struct Source {
     pub field: String,
     /// SI unit; empty for pure numbers.
     pub unit: String,
+    /// Cutoff (Hz) of the filter through which it goes.
+    pub cutoff: Option<f64>,
 }
 
 /// What a figure is drawn from.
@@ -202,7 +205,7 @@ impl Plan {
         let mut measures = Vec::new();
         for (k, measure) in self.study.measures.iter().enumerate() {
             let place = format!("measures.{k}");
-            let source = source(world, &measure.of).map_err(|invalid| invalid.under(&place))?;
+            let source = source(world, &measure.of, measure.cutoff).map_err(|invalid| invalid.under(&place))?;
             measure.take.check_times(end_time).map_err(|invalid| invalid.under("take").under(&place))?;
             let unit = if measure.against.is_some() { "" } else { measure.take.unit(&source.unit) };
             measures.push(Source { unit: unit.to_owned(), ..source });
@@ -214,7 +217,7 @@ impl Plan {
     fn drawn(&self, world: &mut World, end_time: f64) -> Result<Vec<Drawn>, Invalid> {
         let mut drawn = |figure: &FigureSpec| match figure {
             FigureSpec::Measure { .. } => Ok(Drawn::Measures),
-            FigureSpec::Series { of, .. } => source(world, of).map(Drawn::Series),
+            FigureSpec::Series { of, cutoff, .. } => source(world, of, *cutoff).map(Drawn::Series),
             FigureSpec::Field { of, at, .. } => {
                 quantity(world, of).and_then(|()| times(at, end_time)).map(|()| Drawn::Frames)
             }
@@ -283,11 +286,19 @@ fn times(at: &[f64], end_time: f64) -> Result<(), Invalid> {
     })
 }
 
-/// Where the number `of`, `<series>.<field>`, will stand in the log of a run.
-fn source(world: &mut World, of: &str) -> Result<Source, Invalid> {
+/// Where the number `of`, `<series>.<field>`, filtered with `cutoff` (Hz), will stand in the log of a run.
+fn source(world: &mut World, of: &str, cutoff: Option<f64>) -> Result<Source, Invalid> {
     let (entity, index) = find_number(world, of)?;
     let series = world.get::<Series>(entity);
     let found = series.and_then(|series| Some((series, series.fields.get(index)?)));
     let (series, field) = found.ok_or_else(|| Invalid::new("of", "is not measured"))?;
-    Ok(Source { topic: series.topic.clone(), field: field.name.clone(), unit: field.unit.clone() })
+    let source = Source { topic: series.topic.clone(), field: field.name.clone(), unit: field.unit.clone(), cutoff };
+    let half_rate = 0.5 / world.resource::<OutputTimes>().interval(OutputKind::Series);
+    match cutoff.filter(|cutoff| !(0.0 < *cutoff && *cutoff < half_rate)) {
+        Some(cutoff) => {
+            let message = format!("must lie between 0 and {half_rate} Hz, half the rate of the log, got {cutoff} Hz");
+            Err(Invalid::new("cutoff", message))
+        }
+        None => Ok(source),
+    }
 }

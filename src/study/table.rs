@@ -10,7 +10,7 @@ use crate::figures::labelled;
 use crate::log::LogError;
 use crate::number::{count, duration, plain, short};
 use crate::replace::replace;
-use crate::results::{Fit, PARTICLES, Results, upper_surface};
+use crate::results::{Fit, PARTICLES, Record, Results, upper_surface};
 
 /// What came of a run.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,10 +36,9 @@ impl Row {
         if finished.has_diverged {
             return Ok(Self::Diverged(finished));
         }
-        let unreadable = |error: LogError| UserError::plain(error.to_string());
         let results = Results::open(log).map_err(unreadable)?;
         let measures = plan.study.measures.iter().zip(&plan.measures).map(|(measure, source)| {
-            let samples = samples(&results, source);
+            let samples = samples(&results, source)?;
             let taken = match &measure.against {
                 Some(against) => {
                     let points: Vec<[f64; 2]> =
@@ -53,8 +52,8 @@ impl Row {
                 taken => taken,
             }
         });
-        let curves = plan.drawn.iter().map(|drawn| curve(&results, drawn)).collect::<Result<_, _>>();
-        Ok(Self::Done(finished, measures.collect(), curves.map_err(unreadable)?))
+        let curves = plan.drawn.iter().map(|drawn| curve(&results, drawn)).collect::<Result<_, _>>()?;
+        Ok(Self::Done(finished, measures.collect(), curves))
     }
 
     /// How it ended, in a word.
@@ -110,23 +109,34 @@ impl Row {
     }
 }
 
-/// Times (s) and values of a number of a log.
-fn samples(results: &Results, source: &Source) -> Vec<(f64, f64)> {
+fn unreadable(error: LogError) -> UserError {
+    UserError::plain(error.to_string())
+}
+
+/// Times (s) and values of a number of a log, filtered if that is asked for.
+fn samples(results: &Results, source: &Source) -> Result<Vec<(f64, f64)>, String> {
     let series = results.series.iter().find(|series| series.topic == source.topic);
     let found = series.and_then(|series| Some((series, series.field(&source.field)?)));
-    found.map_or_else(Vec::new, |(series, field)| {
+    let samples: Vec<(f64, f64)> = found.map_or_else(Vec::new, |(series, field)| {
         series.times.iter().copied().zip(field.values.iter().copied()).collect()
-    })
+    });
+    let Some(cutoff) = source.cutoff else { return Ok(samples) };
+    let filtered = Record::of(&samples)?.filtered(cutoff)?;
+    Ok(filtered.values.iter().enumerate().map(|(k, value)| (filtered.time(k), *value)).collect())
 }
 
 /// The points that a figure shows of a run.
-fn curve(results: &Results, drawn: &Drawn) -> Result<Vec<[f64; 2]>, LogError> {
+fn curve(results: &Results, drawn: &Drawn) -> Result<Vec<[f64; 2]>, UserError> {
     match drawn {
         Drawn::Measures | Drawn::Frames => Ok(Vec::new()),
-        Drawn::Series(source) => Ok(samples(results, source).into_iter().map(|(time, value)| [time, value]).collect()),
+        Drawn::Series(source) => {
+            let samples = samples(results, source)
+                .map_err(|what| UserError::plain(format!("the figure of `{}`: {what}", source.field)))?;
+            Ok(samples.into_iter().map(|(time, value)| [time, value]).collect())
+        }
         Drawn::Surface(phase, at) => {
             let Some(number) = results.nearest_frame(PARTICLES, *at) else { return Ok(Vec::new()) };
-            let (frame, facts) = (results.frame(PARTICLES, number)?, &results.facts);
+            let (frame, facts) = (results.frame(PARTICLES, number).map_err(unreadable)?, &results.facts);
             let surface = |frame| upper_surface(&frame, *phase, facts.dimension, facts.spacing);
             Ok(frame.map_or_else(Vec::new, surface))
         }

@@ -22,9 +22,12 @@ fn r_squared_is_one_beside_itself_and_less_beside_others() {
     let rows = told.map(|(.., data)| serde_json::from_slice::<Value>(&data).unwrap());
     let rows: String = rows.map(|value| format!("{},{}\n", value["time"], value["kinetic"])).collect();
     folder.write("measured.csv", format!("time,kinetic\n{rows}"));
-    let against = r#"(name: "fit", of: "energy.kinetic", against: (file: "measured.csv", x: "time", y: "kinetic")),"#;
+    let against = r#"(name: "fit", of: "energy.kinetic", against: (file: "measured.csv", x: "time", y: "kinetic")),
+        (name: "shifted", of: "energy.kinetic", against: (file: "measured.csv", x: "time", y: "kinetic", shift: 0.01)),
+        (name: "smooth", of: "energy.kinetic", take: Max, cutoff: 10.0),
+        (name: "even", of: "energy.mass", take: Min, cutoff: 10.0),"#;
     let beside = r#"
-        Series(of: "energy.kinetic", beside: [(file: "measured.csv", x: "time", y: "kinetic", name: "measured")]),
+        Series(of: "energy.kinetic", cutoff: 50.0, beside: [(file: "measured.csv", x: "time", y: "kinetic", name: "measured")]),
         Measure(of: "fit", over: "greatest kinetic energy"),
         Field(of: "pressure", at: [0.02, 0.05], arrows: true),
         Profile(of: "pressure:x=0.1", at: [0.05]),"#;
@@ -36,6 +39,11 @@ fn r_squared_is_one_beside_itself_and_less_beside_others() {
     let fit = |name: &str| table[name]["fit"].parse::<f64>().unwrap();
     assert!((fit(NAMES[0]) - 1.0).abs() < 1e-12, "{}", fit(NAMES[0]));
     assert!(NAMES[1..].iter().all(|name| fit(name) < 0.999));
+    let of = |name: &str| table[NAMES[0]][name].parse::<f64>().unwrap();
+    let [raw, smooth] = ["greatest kinetic energy [J]", "smooth [J]"].map(of);
+    let [even, mass, shifted] = ["even [kg]", "mass [kg]", "shifted"].map(of);
+    assert!((smooth / raw - 1.0).abs() > 0.01 && (even - mass).abs() < 1e-9, "{smooth} {raw} {even} {mass}");
+    assert!(shifted < 0.9, "{shifted}");
     for name in ["1_energy.kinetic", "2_fit_over_greatest_kinetic_energy", "3_pressure"] {
         assert!(folder.path(&format!("runs/study/figure_{name}.png")).is_file(), "{name}");
     }
@@ -104,6 +112,13 @@ fn mistakes_are_named_in_their_place() {
             "a.csv cannot be read",
         ),
         ("order", r#"(name: "f", of: "energy.mass", asked: (2.0, 1.0)),"#, "", "the least value comes first"),
+        (
+            "cutoff",
+            r#"(name: "f", of: "energy.mass", cutoff: 0.0),"#,
+            "",
+            "must lie between 0 and 100 Hz, half the rate of the log, got 0 Hz",
+        ),
+        ("figure", "", r#"Series(of: "energy.mass", cutoff: 100.0),"#, "half the rate of the log, got 100 Hz"),
         ("quantity", "", r#"Field(of: "presure", at: [0.05]),"#, "did you mean `pressure`?"),
         ("profile", "", r#"Profile(of: "surface:watr", at: [0.05]),"#, "did you mean `water`?"),
         ("late", "", r#"Field(of: "pressure", at: [7.0]),"#, "7 s lies outside the run"),
