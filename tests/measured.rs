@@ -48,8 +48,9 @@ const BOX_TIME: f64 = 0.236_780;
 const BOX_PRESSURE: f64 = 5395.5;
 
 #[rustfmt::skip]
-const TABLES: [Table; 3] = [
+const TABLES: [Table; 4] = [
     Table { table: "zhou_teng_2010_a", file: "zhou_teng_2010_Case_A_W.csv", start: 0.364, time_unit: 1.0, columns: &[(1, 1e-3), (2, 1e-3)] },
+    Table { table: "enet_grilli_d100", file: "enet_grilli_d100.csv", start: 0.2, time_unit: 1.0, columns: &[(1, 1e-3), (2, 1e-3), (3, 1e-3)] },
     Table { table: "kleefsman_2005_p1", file: "dambreak3d_kleefsman_2005_p1.csv", start: 0.0, time_unit: BOX_TIME, columns: &[(1, BOX_PRESSURE)] },
     Table { table: "kleefsman_2005_p3", file: "dambreak3d_kleefsman_2005_p3.csv", start: 0.0, time_unit: BOX_TIME, columns: &[(1, BOX_PRESSURE)] },
 ];

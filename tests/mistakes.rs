@@ -215,6 +215,11 @@ fn places() {
     warned("place_gap_between_fluids", "min: (0.0, 0.1), max: (0.4, 0.2)", "min: (0.0, 0.11), max: (0.4, 0.2)");
     warned("place_period", "end_time: 0.05,", "end_time: 0.05, periodic: (x: (0.0, 0.405)),");
     warned("place_off_lattice", "max: (0.4, 0.2)", "max: (0.4, 0.204)");
+    warned(
+        "place_polygon_off_lattice",
+        "shape: Box(min: (0.0, 0.0), max: (0.4, 0.4))",
+        "shape: Polygon([(0.0, 0.0), (0.404, 0.0), (0.404, 0.4), (0.0, 0.4)])",
+    );
 }
 
 /// Walls in that of the tank.

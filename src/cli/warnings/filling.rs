@@ -2,17 +2,20 @@
 
 use bevy_ecs::prelude::*;
 
+use glam::DVec3;
+
 use crate::boundary::body_shapes;
 use crate::neighbours::PeriodicSides;
 use crate::number::short;
 use crate::phases::phases;
-use crate::scene::geometry::{Shape, lattice};
+use crate::scene::geometry::{Point, Shape, lattice};
 use crate::scene::{FilledFluids, Invalid, Resolution};
 
 /// How far (in spacings) a side may be off the lattice.
 const TOLERANCE: f64 = 1e-6;
 
-/// Sides of boxes that lie between the cells of the particles.
+/// Sides along the axes, of boxes, polygons and prisms, that lie between the cells of the particles. Beside a wall the fluid is then
+/// squeezed or has a gap, of up to half a spacing, and its weight makes waves of that.
 pub(super) fn off_lattice(world: &mut World) -> Vec<Invalid> {
     let resolution = *world.resource::<Resolution>();
     let filled = world.resource::<FilledFluids>().fluids.clone();
@@ -24,20 +27,53 @@ pub(super) fn off_lattice(world: &mut World) -> Vec<Invalid> {
 }
 
 fn sides_off_lattice(path: &str, shape: &Shape, resolution: &Resolution) -> Option<Invalid> {
-    let Shape::Box { min, max } = shape else { return None };
-    let mut found = Vec::new();
-    for (corner, point) in [("min", min.position()), ("max", max.position())] {
-        for (axis, name) in ["x", "y", "z"].iter().enumerate().take(resolution.dimension) {
-            let cells = point[axis] / resolution.spacing;
-            if (cells - cells.round()).abs() > TOLERANCE {
-                found.push(format!("{name} = {} m of `{corner}`", short(point[axis])));
-            }
+    let is_off = |(_, x, _): &(&str, f64, String)| {
+        let cells = x / resolution.spacing;
+        (cells - cells.round()).abs() > TOLERANCE
+    };
+    let mut found: Vec<String> = Vec::new();
+    for (axis, x, of) in sides(shape, resolution.dimension).into_iter().filter(is_off) {
+        let side = format!("{axis} = {} m{of}", short(x));
+        if !found.contains(&side) {
+            found.push(side);
         }
     }
     let (sides, spacing) = (found.join(", "), short(resolution.spacing));
     let verb = if found.len() == 1 { "is not a multiple" } else { "are not multiples" };
+    let beside = if path.starts_with("walls.") { ": fluid beside it starts squeezed or with a gap" } else { "" };
     (!found.is_empty())
-        .then(|| Invalid::new(format!("{path}.shape"), format!("{sides} {verb} of the spacing {spacing} m")))
+        .then(|| Invalid::new(format!("{path}.shape"), format!("{sides} {verb} of the spacing {spacing} m{beside}")))
+}
+
+/// Sides of a shape across an axis: the axis, the place (m) on it, and what has it.
+fn sides(shape: &Shape, dimension: usize) -> Vec<(&'static str, f64, String)> {
+    let edges = |polygon: &[Point]| {
+        let corners = polygon.iter().map(|corner| corner.position());
+        let pairs = corners.clone().zip(corners.cycle().skip(1));
+        let across = |(from, to): (DVec3, DVec3)| {
+            [("x", from.x, to.x), ("y", from.y, to.y)]
+                .into_iter()
+                .filter(|(_, from, to)| from == to)
+                .map(|(axis, x, _)| (axis, x, String::new()))
+        };
+        pairs.flat_map(across).collect::<Vec<_>>()
+    };
+    match shape {
+        Shape::Box { min, max } => {
+            let corner = |name: &str, point: &Point| {
+                let of = format!(" of `{name}`");
+                let all = ["x", "y", "z"].into_iter().zip(point.position().to_array()).take(dimension);
+                all.map(|(axis, x)| (axis, x, of.clone())).collect::<Vec<_>>()
+            };
+            [corner("min", min), corner("max", max)].concat()
+        }
+        Shape::Polygon(corners) => edges(corners),
+        Shape::Prism { polygon, z } => {
+            let ends = [z.0, z.1].map(|z| ("z", z, String::new()));
+            edges(polygon).into_iter().chain(ends).collect()
+        }
+        _ => Vec::new(),
+    }
 }
 
 /// Periods that are no whole number of spacings: the lattice does not join at the seam.
@@ -71,7 +107,7 @@ pub(super) fn thin_fluids(world: &mut World) -> Vec<Invalid> {
         let (low, high) = shape.bounds();
         let across = (high - low).to_array()[..dimension].iter().copied().fold(f64::INFINITY, f64::min) / spacing;
         let exact = shape.measure(dimension).filter(|_| across < THIN)?;
-        let cells = lattice(shape, dimension, spacing, glam::DVec3::ZERO, 0.0).len();
+        let cells = lattice(shape, dimension, spacing, DVec3::ZERO, 0.0).len();
         let share = cells as f64 * resolution.particle_volume() / exact;
         let message = format!(
             "it is {} spacings thin, and its particles fill {} % of it: a finer spacing is needed",
