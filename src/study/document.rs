@@ -10,6 +10,7 @@
 //! )
 //! ```
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -24,7 +25,8 @@ use crate::scene::document::{Kind, Node};
 use crate::scene::{Document, Invalid, Setting, clean, open_document, read_text, settings, unknown};
 
 /// Fields of a study.
-const FIELDS: [&str; 9] = ["title", "text", "scene", "until", "set", "vary", "coarse", "measures", "figures"];
+const FIELDS: [&str; 10] =
+    ["title", "text", "scene", "until", "set", "vary", "coarse", "names", "measures", "figures"];
 
 /// A study, as read.
 #[derive(Debug, Clone)]
@@ -41,6 +43,8 @@ pub struct Study {
     pub until: Option<f64>,
     /// Paths of the values that are varied, in the order of the file.
     pub varied: Vec<String>,
+    /// What people are shown in the place of the paths of some of them.
+    pub shown: BTreeMap<String, String>,
     /// Whether every combination is run, and not some that are listed.
     pub is_grid: bool,
     /// Numbers that are taken of every run.
@@ -99,6 +103,9 @@ pub enum FigureSpec {
     Series {
         /// The measured number: `<series>.<field>`.
         of: String,
+        /// What stands beside its axis; by default the series and the field.
+        #[serde(default)]
+        name: Option<String>,
         /// Cutoff (Hz) of the filter, as in a measure.
         #[serde(default)]
         cutoff: Option<f64>,
@@ -159,6 +166,7 @@ impl Study {
             scene: clean(&folder.join(scene)),
             until: optional(&document, "until")?,
             varied,
+            shown: optional(&document, "names")?,
             is_grid,
             measures: optional(&document, "measures")?,
             figures: optional(&document, "figures")?,
@@ -223,6 +231,10 @@ impl Study {
     fn check(&self) -> Result<(), Invalid> {
         if let Some(until) = self.until.filter(|until| *until <= 0.0) {
             return Err(Invalid::new("until", format!("must be greater than 0, got {until} s")));
+        }
+        // Coarse runs may vary less.
+        for path in self.shown.keys().filter(|_| !self.is_coarse) {
+            self.check_varied("names", path)?;
         }
         for (k, measure) in self.measures.iter().enumerate() {
             self.check_measure(k, measure).map_err(|invalid| invalid.under(&format!("measures.{k}")))?;

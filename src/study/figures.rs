@@ -24,8 +24,8 @@ pub fn write_figures(plan: &Plan, rows: &[Row], folder: &Path) -> Result<Vec<(us
             (FigureSpec::Measure { of, over, by, .. }, _) => {
                 (format!("{of} over {}", label(plan, over)), measure(plan, rows, of, over, by.as_deref()))
             }
-            (FigureSpec::Series { of, .. }, Drawn::Series(source)) => {
-                (of.clone(), curves(plan, rows, k, axes_of(of, source)))
+            (FigureSpec::Series { of, name, .. }, Drawn::Series(source)) => {
+                (of.clone(), curves(plan, rows, k, axes_of(name.as_deref(), of, source)))
             }
             (FigureSpec::Surface { of, at }, _) => {
                 let axes = ["x (m)".to_owned(), format!("surface of {of} at {} s (m)", short(*at))];
@@ -77,7 +77,7 @@ fn measure(plan: &Plan, rows: &[Row], of: &str, over: &str, by: Option<&[String]
     curves.iter_mut().for_each(|curve| curve.points.sort_by(|a, b| a[0].total_cmp(&b[0])));
     let unit = |m: usize| &plan.measures[m].unit;
     let horizontal = match (along, of_measure) {
-        (Some(k), _) => labelled(&plan.varied[k].label, &plan.varied[k].unit),
+        (Some(k), _) => labelled(&plan.varied[k].shown, &plan.varied[k].unit),
         (None, Some(other)) => labelled(over, unit(other)),
         (None, None) => String::new(),
     };
@@ -105,8 +105,9 @@ fn curves(plan: &Plan, rows: &[Row], k: usize, axes: [String; 2]) -> LineFigure 
 }
 
 /// The axes of a number over time.
-fn axes_of(of: &str, source: &Source) -> [String; 2] {
-    let name = of.rsplit_once('.').map_or(of.to_owned(), |(series, field)| format!("{series}: {field}"));
+fn axes_of(name: Option<&str>, of: &str, source: &Source) -> [String; 2] {
+    let series_and_field = || of.rsplit_once('.').map_or(of.to_owned(), |(series, field)| format!("{series}: {field}"));
+    let name = name.map_or_else(series_and_field, str::to_owned);
     let name = source.cutoff.map_or(name.clone(), |cutoff| format!("{name} below {} Hz", short(cutoff)));
     ["time (s)".to_owned(), labelled(&name, &source.unit)]
 }
@@ -115,7 +116,7 @@ fn axes_of(of: &str, source: &Source) -> [String; 2] {
 fn name(plan: &Plan, run: &PlannedRun, by: &[usize]) -> String {
     let part = |k: &usize| {
         let (varied, value) = (&plan.varied[*k], run.shown(*k));
-        format!("{} = {value} {}", varied.label.replace('_', " "), varied.unit).trim_end().to_owned()
+        format!("{} = {value} {}", varied.shown, varied.unit).trim_end().to_owned()
     };
-    by.iter().map(part).collect::<Vec<_>>().join(", ")
+    by.iter().filter(|k| !plan.varied[**k].shown.is_empty()).map(part).collect::<Vec<_>>().join(", ")
 }

@@ -43,8 +43,10 @@ pub struct Plan {
 pub struct Varied {
     /// Path in the scene.
     pub path: String,
-    /// The shortest end of the path that no other has.
+    /// The shortest end of the path that no other has: what files are called by.
     pub label: String,
+    /// What people are shown: its name in the study, or else the label; empty if they are not.
+    pub shown: String,
     /// SI unit; empty for pure numbers and words.
     pub unit: String,
 }
@@ -135,7 +137,10 @@ impl Plan {
         let base = study.base()?;
         let paths = labels(&study.varied);
         let unlabelled = study.varied.iter().zip(paths);
-        let varied = unlabelled.map(|(path, label)| Varied { path: path.clone(), label, unit: String::new() });
+        let varied = unlabelled.map(|(path, label)| {
+            let shown = study.shown.get(path).cloned().unwrap_or_else(|| label.replace('_', " "));
+            Varied { path: path.clone(), label, shown, unit: String::new() }
+        });
         let (measures, drawn) = (Vec::new(), Vec::new());
         let mut plan = Self { varied: varied.collect(), runs: Vec::new(), measures, drawn, study };
         for k in 0..plan.study.runs.len() {

@@ -241,7 +241,8 @@ impl Table<'_> {
     /// The table for people: a line of names, then a line a run; numbers have four digits.
     #[must_use]
     pub fn lines(&self) -> Vec<Vec<String>> {
-        let varied = self.plan.varied.iter().map(|varied| labelled(&varied.label, &varied.unit));
+        let shown = || (0..self.plan.varied.len()).filter(|k| !self.plan.varied[*k].shown.is_empty());
+        let varied = shown().map(|k| &self.plan.varied[k]).map(|varied| labelled(&varied.shown, &varied.unit));
         let measures = self.plan.study.measures.iter().zip(&self.plan.measures);
         let measures = measures.map(|(measure, source)| labelled(&measure.name, &source.unit));
         let has_labels = self.plan.runs.iter().any(|run| !run.label.is_empty());
@@ -253,7 +254,7 @@ impl Table<'_> {
             .collect();
         let row = |(run, row): (&super::PlannedRun, &Row)| {
             let label = has_labels.then(|| run.label.clone());
-            let values = label.into_iter().chain((0..run.values.len()).map(|k| run.shown(k)));
+            let values = label.into_iter().chain(shown().map(|k| run.shown(k)));
             let end = match row {
                 Row::Diverged(finished) => format!("diverged at {} s", short(finished.time)),
                 other => other.word().to_owned(),

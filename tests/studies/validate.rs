@@ -31,7 +31,8 @@ fn r_squared_is_one_beside_itself_and_less_beside_others() {
         Measure(of: "fit", over: "greatest kinetic energy"),
         Field(of: "pressure", at: [0.02, 0.05], arrows: true),
         Profile(of: "pressure:x=0.1", at: [0.05]),"#;
-    folder.write("study.ron", with(against, beside));
+    let names = "    names: {\"spacing\": \"distance of particles\", \"phases.water.rheology.viscosity\": \"\"},\n    measures: [";
+    folder.write("study.ron", with(against, beside).replace("    measures: [", names));
     let ran = folder.study(&[]);
     ran.ended_with(0);
     assert_parts(&ran.err(), &["4 runs, 4 done before, 0 to do"]);
@@ -44,6 +45,8 @@ fn r_squared_is_one_beside_itself_and_less_beside_others() {
     let [even, mass, shifted] = ["even [kg]", "mass [kg]", "shifted"].map(of);
     assert!((smooth / raw - 1.0).abs() > 0.01 && (even - mass).abs() < 1e-9, "{smooth} {raw} {even} {mass}");
     assert!(shifted < 0.9, "{shifted}");
+    let page = fs::read_to_string(folder.path("runs/study/table.md")).unwrap();
+    assert_parts(&page, &["| distance of particles (m) | fluid particles |"]);
     for name in ["1_energy.kinetic", "2_fit_over_greatest_kinetic_energy", "3_pressure"] {
         assert!(folder.path(&format!("runs/study/figure_{name}.png")).is_file(), "{name}");
     }
@@ -132,6 +135,8 @@ fn mistakes_are_named_in_their_place() {
         let folder = Folder::with_study(&format!("wrong-{name}"), &with(measures, figures));
         folder.study(&[]).is_refused_with(&["study.ron:", part]);
     }
+    let names = GRID.replace("    measures: [", "    names: {\"spacin\": \"distance\"},\n    measures: [");
+    Folder::with_study("wrong-names", &names).study(&[]).is_refused_with(&["study.ron:", "did you mean `spacing`?"]);
     let folder = Folder::with_study(
         "wrong-column",
         &with("", r#"Series(of: "energy.mass", beside: [(file: "c.csv", x: "tme", y: "y")]),"#),
