@@ -46,7 +46,7 @@ impl Probe for PressurePoint {
     }
 
     fn fields(&self) -> Vec<SeriesField> {
-        vec![SeriesField::new("pressure", "Pa", "pressure; no number where it is dry")]
+        vec![SeriesField::new("pressure", "Pa", "pressure; no number, or that of `dry`, while it is dry")]
     }
 
     fn prepare(&mut self, world: &mut World) -> Result<(), Invalid> {

@@ -25,8 +25,7 @@ use crate::scene::document::{Kind, Node};
 use crate::scene::{Document, Invalid, Setting, clean, open_document, read_text, settings, unknown};
 
 /// Fields of a study.
-const FIELDS: [&str; 10] =
-    ["title", "text", "scene", "until", "set", "vary", "coarse", "names", "measures", "figures"];
+const FIELDS: [&str; 10] = ["title", "text", "scene", "until", "set", "vary", "coarse", "names", "measures", "figures"];
 
 /// A study, as read.
 #[derive(Debug, Clone)]
@@ -175,7 +174,12 @@ impl Study {
             names,
             document,
         };
-        let checked = study.check().and_then(|()| study.read_curves(folder));
+        // Coarse runs may vary less than what is named.
+        let named = if is_coarse { read_runs(&study.document, "vary")?.varied } else { study.varied.clone() };
+        let strange = study.shown.keys().find(|path| !named.contains(path));
+        let checked = strange
+            .map_or(Ok(()), |path| Err(unknown("names", "varied value", path, named.iter().map(String::as_str))));
+        let checked = checked.and_then(|()| study.check()).and_then(|()| study.read_curves(folder));
         checked.map_err(|invalid| study.document.invalid(&invalid))?;
         Ok(study)
     }
@@ -232,10 +236,6 @@ impl Study {
         if let Some(until) = self.until.filter(|until| *until <= 0.0) {
             return Err(Invalid::new("until", format!("must be greater than 0, got {until} s")));
         }
-        // Coarse runs may vary less.
-        for path in self.shown.keys().filter(|_| !self.is_coarse) {
-            self.check_varied("names", path)?;
-        }
         for (k, measure) in self.measures.iter().enumerate() {
             self.check_measure(k, measure).map_err(|invalid| invalid.under(&format!("measures.{k}")))?;
         }
@@ -286,6 +286,12 @@ impl Study {
 
     fn check_varied(&self, field: &str, path: &str) -> Result<(), Invalid> {
         let varied = self.varied.iter().map(String::as_str);
+        if self.shown.get(path).is_some_and(String::is_empty) {
+            return Err(Invalid::new(
+                field,
+                format!("`{path}` has an empty name in `names`: nothing would tell what it is"),
+            ));
+        }
         if varied.clone().any(|known| known == path) {
             return Ok(());
         }

@@ -64,16 +64,21 @@ fn measure(plan: &Plan, rows: &[Row], of: &str, over: &str, by: Option<&[String]
     let (along, of_measure) = (place(over), measure(over));
     let others = (0..plan.varied.len()).filter(|k| Some(*k) != along && of_measure.is_none() && plan.study.is_grid);
     let by: Vec<usize> = by.map_or(others.collect(), |by| by.iter().filter_map(|path| place(path)).collect());
-    let mut curves: Vec<Curve> = Vec::new();
+    let mut curves: Vec<(Vec<&str>, Curve)> = Vec::new();
     for (run, row) in plan.runs.iter().zip(rows) {
         let x = along.map_or_else(|| row.measure(of_measure?), |along| run.number(along));
         let (Some(x), Some(y)) = (x, row.measure(m)) else { continue };
-        let name = name(plan, run, &by);
-        match curves.iter_mut().find(|curve| curve.name == name) {
-            Some(curve) => curve.points.push([x, y]),
-            None => curves.push(Curve { name, points: vec![[x, y]], marks: Marks::Dots }),
+        // Two curves may have one name, if what tells them apart is not shown.
+        let key: Vec<&str> = by.iter().map(|k| run.values[*k].as_str()).collect();
+        match curves.iter_mut().find(|(known, _)| *known == key) {
+            Some((_, curve)) => curve.points.push([x, y]),
+            None => {
+                let curve = Curve { name: name(plan, run, &by), points: vec![[x, y]], marks: Marks::Dots };
+                curves.push((key, curve));
+            }
         }
     }
+    let mut curves: Vec<Curve> = curves.into_iter().map(|(_, curve)| curve).collect();
     curves.iter_mut().for_each(|curve| curve.points.sort_by(|a, b| a[0].total_cmp(&b[0])));
     let unit = |m: usize| &plan.measures[m].unit;
     let horizontal = match (along, of_measure) {
@@ -96,7 +101,7 @@ fn curves(plan: &Plan, rows: &[Row], k: usize, axes: [String; 2]) -> LineFigure 
     let curve = |(run, row): (&PlannedRun, &Row)| match row {
         Row::Done(_, _, curves) => {
             let name = if run.label.is_empty() { name(plan, run, &all) } else { run.label.clone() };
-            Some(Curve { name, points: curves.get(k)?.clone(), ..Curve::default() })
+            Some(Curve { name, points: curves.get(k)?.as_ref().ok()?.clone(), ..Curve::default() })
         }
         _ => None,
     };

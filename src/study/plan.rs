@@ -301,7 +301,8 @@ fn source(world: &mut World, of: &str, cutoff: Option<f64>) -> Result<Source, In
     let half_rate = 0.5 / world.resource::<OutputTimes>().interval(OutputKind::Series);
     match cutoff.filter(|cutoff| !(0.0 < *cutoff && *cutoff < half_rate)) {
         Some(cutoff) => {
-            let message = format!("must lie between 0 and {half_rate} Hz, half the rate of the log, got {cutoff} Hz");
+            let message =
+                format!("must lie between 0 and {} Hz, half the rate of the log, got {cutoff} Hz", short(half_rate));
             Err(Invalid::new("cutoff", message))
         }
         None => Ok(source),

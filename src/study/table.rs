@@ -23,8 +23,8 @@ pub enum Row {
     Failed(String),
     /// It left the range of the model.
     Diverged(Finished),
-    /// It is done: its measures, or why there is none, and the points of the curves of each figure.
-    Done(Finished, Vec<Result<f64, String>>, Vec<Vec<[f64; 2]>>),
+    /// It is done: its measures, and the points of the curve of each figure, or why there is none.
+    Done(Finished, Vec<Result<f64, String>>, Vec<Result<Vec<[f64; 2]>, String>>),
 }
 
 impl Row {
@@ -38,22 +38,21 @@ impl Row {
         }
         let results = Results::open(log).map_err(unreadable)?;
         let measures = plan.study.measures.iter().zip(&plan.measures).map(|(measure, source)| {
-            let samples = samples(&results, source)?;
-            let taken = match &measure.against {
+            let taken = samples(&results, source).and_then(|samples| match &measure.against {
                 Some(against) => {
                     let points: Vec<[f64; 2]> =
                         samples.iter().map(|(t, y)| [*t, *y]).filter(|[_, y]| y.is_finite()).collect();
                     Fit::of(&against.points, &points, None).map(|fit| fit.r_squared)
                 }
                 None => measure.take.of(&samples),
-            };
+            });
             match taken {
                 Ok(value) if value.is_nan() => Err("what was measured is not a number".to_owned()),
                 taken => taken,
             }
         });
-        let curves = plan.drawn.iter().map(|drawn| curve(&results, drawn)).collect::<Result<_, _>>()?;
-        Ok(Self::Done(finished, measures.collect(), curves))
+        let curves = plan.drawn.iter().map(|drawn| curve(&results, drawn)).collect::<Result<_, _>>();
+        Ok(Self::Done(finished, measures.collect(), curves.map_err(unreadable)?))
     }
 
     /// How it ended, in a word.
@@ -97,11 +96,12 @@ impl Row {
             Self::Diverged(finished) => {
                 finished.record.as_ref().map(|record| record.reason.clone()).unwrap_or_default()
             }
-            Self::Done(_, measures, _) => {
-                let reasons =
-                    plan.study.measures.iter().zip(measures).filter_map(|(measure, value)| {
-                        value.as_ref().err().map(|why| format!("{}: {why}", measure.name))
-                    });
+            Self::Done(_, measures, curves) => {
+                let names = plan.study.measures.iter().map(|measure| measure.name.clone());
+                let of_measures = names.zip(measures.iter().map(|value| value.as_ref().err()));
+                let names = (1..=curves.len()).map(|number| format!("figure {number}"));
+                let of_figures = names.zip(curves.iter().map(|curve| curve.as_ref().err()));
+                let reasons = of_measures.chain(of_figures).filter_map(|(name, why)| Some(format!("{name}: {}", why?)));
                 reasons.collect::<Vec<_>>().join("; ")
             }
             Self::Waiting | Self::Interrupted => String::new(),
@@ -113,7 +113,8 @@ fn unreadable(error: LogError) -> UserError {
     UserError::plain(error.to_string())
 }
 
-/// Times (s) and values of a number of a log, filtered if that is asked for.
+/// Times (s) and values of a number of a log, filtered if that is asked for. What is no number before the first and after the last one stays
+/// none; what lies between has no frequencies, and is not filtered.
 fn samples(results: &Results, source: &Source) -> Result<Vec<(f64, f64)>, String> {
     let series = results.series.iter().find(|series| series.topic == source.topic);
     let found = series.and_then(|series| Some((series, series.field(&source.field)?)));
@@ -121,26 +122,34 @@ fn samples(results: &Results, source: &Source) -> Result<Vec<(f64, f64)>, String
         series.times.iter().copied().zip(field.values.iter().copied()).collect()
     });
     let Some(cutoff) = source.cutoff else { return Ok(samples) };
-    let filtered = Record::of(&samples)?.filtered(cutoff)?;
-    Ok(filtered.values.iter().enumerate().map(|(k, value)| (filtered.time(k), *value)).collect())
+    let is_number = |(_, value): &(f64, f64)| value.is_finite();
+    let (Some(first), Some(last)) = (samples.iter().position(is_number), samples.iter().rposition(is_number)) else {
+        return Err("it is never a number".to_owned());
+    };
+    if let Some((time, _)) = samples[first..=last].iter().find(|sample| !is_number(sample)) {
+        return Err(format!("it is no number at {time} s, in the midst of the record, which cannot be filtered so"));
+    }
+    let filtered = Record::of(&samples[first..=last])?.filtered(cutoff)?;
+    let filtered = filtered.values.iter().enumerate().map(|(k, value)| (filtered.time(k), *value));
+    Ok(samples[..first].iter().copied().chain(filtered).chain(samples[last + 1..].iter().copied()).collect())
 }
 
 /// The points that a figure shows of a run.
-fn curve(results: &Results, drawn: &Drawn) -> Result<Vec<[f64; 2]>, UserError> {
-    match drawn {
-        Drawn::Measures | Drawn::Frames => Ok(Vec::new()),
+fn curve(results: &Results, drawn: &Drawn) -> Result<Result<Vec<[f64; 2]>, String>, LogError> {
+    let points = match drawn {
+        Drawn::Measures | Drawn::Frames => Vec::new(),
         Drawn::Series(source) => {
-            let samples = samples(results, source)
-                .map_err(|what| UserError::plain(format!("the figure of `{}`: {what}", source.field)))?;
-            Ok(samples.into_iter().map(|(time, value)| [time, value]).collect())
+            let samples = samples(results, source);
+            return Ok(samples.map(|samples| samples.into_iter().map(|(time, value)| [time, value]).collect()));
         }
         Drawn::Surface(phase, at) => {
-            let Some(number) = results.nearest_frame(PARTICLES, *at) else { return Ok(Vec::new()) };
-            let (frame, facts) = (results.frame(PARTICLES, number).map_err(unreadable)?, &results.facts);
+            let Some(number) = results.nearest_frame(PARTICLES, *at) else { return Ok(Ok(Vec::new())) };
+            let (frame, facts) = (results.frame(PARTICLES, number)?, &results.facts);
             let surface = |frame| upper_surface(&frame, *phase, facts.dimension, facts.spacing);
-            Ok(frame.map_or_else(Vec::new, surface))
+            frame.map_or_else(Vec::new, surface)
         }
-    }
+    };
+    Ok(Ok(points))
 }
 
 /// What was asked for of a measure, and what came out.

@@ -104,7 +104,10 @@ fn the_studies_that_are_shipped_can_be_run() {
 #[test]
 fn the_page_has_every_field_and_its_study_can_be_run() {
     let page = fs::read_to_string(shipped::root().join("docs/studies.md")).unwrap();
-    let fields = ["title", "scene", "until", "set", "vary", "measures", "figures", "name", "of", "take", "over", "by"];
+    let fields = [
+        "title", "text", "scene", "until", "set", "vary", "coarse", "names", "measures", "figures", "name", "of",
+        "take", "cutoff", "against", "shift", "asked", "over", "by", "beside",
+    ];
     let words =
         ["Grid", "List", "Measure", "Series", "Surface", "--dry-run", "--again", "--jobs", "--threads", "--out"];
     for word in fields.into_iter().chain(words) {

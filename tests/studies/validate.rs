@@ -13,6 +13,18 @@ fn with(measures: &str, figures: &str) -> String {
         .replace("    figures: [", &format!("    figures: [{figures}"))
 }
 
+/// The longest line of each of the first two colours in a figure.
+fn lines(figure: &str) -> Vec<&str> {
+    let colours = ["#0072B2", "#D55E00"].into_iter();
+    let of = |colour| {
+        figure
+            .lines()
+            .filter(|line| line.starts_with("<polyline") && line.contains(colour))
+            .max_by_key(|line| line.len())
+    };
+    colours.filter_map(of).collect()
+}
+
 /// What is compared with one of its own runs is the same as it, and nothing is run again for it.
 #[test]
 fn r_squared_is_one_beside_itself_and_less_beside_others() {
@@ -22,16 +34,24 @@ fn r_squared_is_one_beside_itself_and_less_beside_others() {
     let rows = told.map(|(.., data)| serde_json::from_slice::<Value>(&data).unwrap());
     let rows: String = rows.map(|value| format!("{},{}\n", value["time"], value["kinetic"])).collect();
     folder.write("measured.csv", format!("time,kinetic\n{rows}"));
+    let told = messages(&folder.log(NAMES[0])).into_iter().filter(|(topic, ..)| topic == "/energy");
+    let rows = told.map(|(.., data)| serde_json::from_slice::<Value>(&data).unwrap());
+    let early = rows.map(|value| format!("{},{}\n", value["time"].as_f64().unwrap() - 0.25, value["kinetic"]));
+    folder.write("early.csv", format!("time,kinetic\n{}", early.collect::<String>()));
     let against = r#"(name: "fit", of: "energy.kinetic", against: (file: "measured.csv", x: "time", y: "kinetic")),
-        (name: "shifted", of: "energy.kinetic", against: (file: "measured.csv", x: "time", y: "kinetic", shift: 0.01)),
+        (name: "shifted", of: "energy.kinetic", against: (file: "early.csv", x: "time", y: "kinetic", shift: 0.25)),
         (name: "smooth", of: "energy.kinetic", take: Max, cutoff: 10.0),
         (name: "even", of: "energy.mass", take: Min, cutoff: 10.0),"#;
     let beside = r#"
-        Series(of: "energy.kinetic", cutoff: 50.0, beside: [(file: "measured.csv", x: "time", y: "kinetic", name: "measured")]),
+        Series(of: "energy.kinetic", name: "energy of motion", cutoff: 50.0, beside: [(file: "measured.csv", x: "time", y: "kinetic", name: "measured")]),
         Measure(of: "fit", over: "greatest kinetic energy"),
         Field(of: "pressure", at: [0.02, 0.05], arrows: true),
         Profile(of: "pressure:x=0.1", at: [0.05]),"#;
-    let names = "    names: {\"spacing\": \"distance of particles\", \"phases.water.rheology.viscosity\": \"\"},\n    measures: [";
+    folder.write("study.ron", with(against, &beside.replace(", cutoff: 50.0", "")));
+    folder.study(&[]).ended_with(0);
+    let figure = || fs::read_to_string(folder.path("runs/study/figure_1_energy.kinetic.svg")).unwrap();
+    let raw_figure = figure();
+    let names = "    names: {\"spacing\": \"\", \"phases.water.rheology.viscosity\": \"thickness\"},\n    measures: [";
     folder.write("study.ron", with(against, beside).replace("    measures: [", names));
     let ran = folder.study(&[]);
     ran.ended_with(0);
@@ -44,9 +64,15 @@ fn r_squared_is_one_beside_itself_and_less_beside_others() {
     let [raw, smooth] = ["greatest kinetic energy [J]", "smooth [J]"].map(of);
     let [even, mass, shifted] = ["even [kg]", "mass [kg]", "shifted"].map(of);
     assert!((smooth / raw - 1.0).abs() > 0.01 && (even - mass).abs() < 1e-9, "{smooth} {raw} {even} {mass}");
-    assert!(shifted < 0.9, "{shifted}");
+    assert!((shifted - 1.0).abs() < 1e-9, "{shifted}");
+    assert!(figure().contains("energy of motion below 50 Hz (J)"));
+    assert!(lines(&figure())[0] != lines(&raw_figure)[0]);
     let page = fs::read_to_string(folder.path("runs/study/table.md")).unwrap();
-    assert_parts(&page, &["| distance of particles (m) | fluid particles |"]);
+    assert_parts(&page, &["| thickness (Pa s) | fluid particles |"]);
+    // The two spacings are not named, and yet have a curve each.
+    let over =
+        fs::read_to_string(folder.path("runs/study/figure_5_greatest_kinetic_energy_over_viscosity.svg")).unwrap();
+    assert!(over.contains("thickness (Pa s)") && lines(&over).len() == 2);
     for name in ["1_energy.kinetic", "2_fit_over_greatest_kinetic_energy", "3_pressure"] {
         assert!(folder.path(&format!("runs/study/figure_{name}.png")).is_file(), "{name}");
     }
@@ -137,6 +163,10 @@ fn mistakes_are_named_in_their_place() {
     }
     let names = GRID.replace("    measures: [", "    names: {\"spacin\": \"distance\"},\n    measures: [");
     Folder::with_study("wrong-names", &names).study(&[]).is_refused_with(&["study.ron:", "did you mean `spacing`?"]);
+    let hidden = names
+        .replace("spacin\\\"", "")
+        .replace("\"spacin\": \"distance\"", "\"phases.water.rheology.viscosity\": \"\"");
+    Folder::with_study("wrong-axis", &hidden).study(&[]).is_refused_with(&["study.ron:", "has an empty name"]);
     let folder = Folder::with_study(
         "wrong-column",
         &with("", r#"Series(of: "energy.mass", beside: [(file: "c.csv", x: "tme", y: "y")]),"#),

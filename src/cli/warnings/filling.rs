@@ -15,7 +15,8 @@ use crate::scene::{FilledFluids, Invalid, Resolution};
 const TOLERANCE: f64 = 1e-6;
 
 /// Sides along the axes, of boxes, polygons and prisms, that lie between the cells of the particles. Beside a wall the fluid is then
-/// squeezed or has a gap, of up to half a spacing, and its weight makes waves of that.
+/// squeezed or has a gap, of up to half a spacing, and its weight makes waves of that. Parts of
+/// unions and differences are not looked at.
 pub(super) fn off_lattice(world: &mut World) -> Vec<Invalid> {
     let resolution = *world.resource::<Resolution>();
     let filled = world.resource::<FilledFluids>().fluids.clone();
@@ -40,7 +41,7 @@ fn sides_off_lattice(path: &str, shape: &Shape, resolution: &Resolution) -> Opti
     }
     let (sides, spacing) = (found.join(", "), short(resolution.spacing));
     let verb = if found.len() == 1 { "is not a multiple" } else { "are not multiples" };
-    let beside = if path.starts_with("walls.") { ": fluid beside it starts squeezed or with a gap" } else { "" };
+    let beside = if path.starts_with("walls.") { ": fluid that starts beside it is squeezed or has a gap" } else { "" };
     (!found.is_empty())
         .then(|| Invalid::new(format!("{path}.shape"), format!("{sides} {verb} of the spacing {spacing} m{beside}")))
 }
