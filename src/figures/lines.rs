@@ -169,3 +169,27 @@ fn draw_line<DB: DrawingBackend>(
         pixels.windows(2).try_for_each(|piece| area.draw(&PathElement::new(piece.to_vec(), style)).map_err(words))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::style::register_fonts;
+    use super::*;
+
+    /// The eighth curve has the colour of the first, and is told from it by its dashes, with dots or without.
+    #[test]
+    fn curves_with_one_colour_differ() {
+        for marks in [Marks::Line, Marks::Dots] {
+            let curve = |k: i32| Curve { name: k.to_string(), points: vec![[0.0, f64::from(k)], [1.0, 9.0]], marks };
+            let figure = LineFigure { curves: (0..8).map(curve).collect(), ..LineFigure::default() };
+            let mut drawn = String::new();
+            register_fonts();
+            crate::figures::drawn(&figure, SVGBackend::with_string(&mut drawn, figure.size())).expect("it is drawn");
+            let of = |colour: &str| {
+                drawn.lines().filter(|line| line.starts_with("<polyline") && line.contains(colour)).count()
+            };
+            // The line and that beside its name; dashes are lines of their own.
+            assert_eq!(of("#D55E00"), 2, "{marks:?}");
+            assert!(of("#0072B2") > 6, "{marks:?}: {}", of("#0072B2"));
+        }
+    }
+}

@@ -127,3 +127,19 @@ pub(super) fn unused_phases(world: &mut World) -> Vec<Invalid> {
     let unused = all.iter().filter(|(phase, _)| particles.get(phase.index as usize).is_none_or(|count| *count == 0));
     unused.map(|(phase, _)| Invalid::new(format!("phases.{}", phase.name), "no fluid is of this phase")).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A tank with a slanted floor: its ends and its lid count, the floor does not, and what fits the lattice is not named.
+    #[test]
+    fn sides_along_the_axes_are_named_where_they_are_off_the_lattice() {
+        let text = "Prism(polygon: [(-0.3, 0.1), (3.75, -0.93), (3.75, 0.25), (-0.3, 0.25)], z: (0.0, 1.85))";
+        let shape: Shape = ron::from_str(text).expect("a shape");
+        let resolution = |spacing| Resolution { dimension: 3, spacing, smoothing_length: 1.3 * spacing };
+        let told = sides_off_lattice("walls.tank", &shape, &resolution(0.1)).expect("it does not fit").message;
+        assert!(told.starts_with("x = 3.75 m, y = 0.25 m, z = 1.85 m are not multiples"), "{told}");
+        assert!(sides_off_lattice("walls.tank", &shape, &resolution(0.05)).is_none());
+    }
+}
