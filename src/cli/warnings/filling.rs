@@ -1,7 +1,6 @@
 //! Shapes that do not fit the lattice of particles, and phases that fill nothing.
 
 use bevy_ecs::prelude::*;
-
 use glam::DVec3;
 
 use crate::boundary::body_shapes;
