@@ -101,9 +101,19 @@ impl Kinematics {
     /// Position, velocity and acceleration of the point that was at `rest` (m).
     #[must_use]
     pub fn of(&self, rest: DVec3) -> (DVec3, DVec3, DVec3) {
+        self.of_turned(self.rotation(), rest)
+    }
+
+    /// R(θ).
+    fn rotation(&self) -> DQuat {
+        DQuat::from_axis_angle(self.axis, self.angle[0])
+    }
+
+    /// [`of`](Self::of) with R(θ) at hand: its sine and cosine are the same for all points of a body.
+    fn of_turned(&self, rotation: DQuat, rest: DVec3) -> (DVec3, DVec3, DVec3) {
         let [d, d1, d2] = self.displacement;
-        let [theta, rate, acceleration] = self.angle;
-        let arm = DQuat::from_axis_angle(self.axis, theta) * (rest - self.center);
+        let [_, rate, acceleration] = self.angle;
+        let arm = rotation * (rest - self.center);
         let turn = self.axis.cross(arm);
         (self.center + arm + d, rate * turn + d1, acceleration * turn + rate * rate * self.axis.cross(turn) + d2)
     }
@@ -322,6 +332,7 @@ fn move_particles<F: ArchetypeFilter>(
     kinematics: &Kinematics,
     particles: &mut Query<Moved, F>,
 ) -> Result<f64> {
+    let (rotation, omega_w) = (kinematics.rotation(), kinematics.angular_velocity());
     let mut farthest: f64 = 0.0;
     for (index, rest, mut x, mut v, mut a, mut omega) in particles.contiguous_iter_mut()? {
         let moving = (x.bypass_change_detection(), v.bypass_change_detection(), a.bypass_change_detection());
@@ -331,9 +342,9 @@ fn move_particles<F: ArchetypeFilter>(
             if index.0 != body {
                 return 0.0;
             }
-            let (position, velocity, acceleration) = kinematics.of(rest.0);
+            let (position, velocity, acceleration) = kinematics.of_turned(rotation, rest.0);
             let moved = position.distance_squared(x.0);
-            (x.0, v.0, a.0, omega.0) = (position, velocity, acceleration, kinematics.angular_velocity());
+            (x.0, v.0, a.0, omega.0) = (position, velocity, acceleration, omega_w);
             moved
         });
         farthest = farthest.max(distance.reduce(|| 0.0, f64::max).sqrt());
