@@ -83,11 +83,11 @@ impl EquationOfState {
 
     /// Energy of compression `e = ∫ p dρ/ρ²` per mass (J/kg) at density `rho` of a phase with reference density `rho0`
     /// (kg/m³), from ρ0 on: `(B/ρ0) (ln β + 1/β − 1) + (χ/ρ0) (1 − 1/β)`.
+    #[inline(always)]
     #[must_use]
     pub fn compression_energy(&self, rho: f64, rho0: f64) -> f64 {
         let strain = rho / rho0 - 1.0;
-        let linear = strain / (1.0 + strain);
-        (self.bulk_modulus * (strain.ln_1p() - linear) + self.background_pressure * linear) / rho0
+        (self.bulk_modulus * quadratic_energy(strain) + self.background_pressure * strain / (1.0 + strain)) / rho0
     }
 
     /// c = √(B/ρ0) (m/s).
@@ -96,6 +96,21 @@ impl EquationOfState {
     pub fn sound_speed(&self, rho0: f64) -> f64 {
         (self.bulk_modulus / rho0).sqrt()
     }
+}
+
+/// `ln β + 1/β − 1` at `strain` s = β − 1. Where that is small, as in weakly compressible fluid, it is what is left of two numbers that
+/// cancel; so there by its series `Σ_{n≥2} (−1)ⁿ (1 − 1/n) sⁿ`, even and odd powers apart.
+#[inline(always)]
+fn quadratic_energy(strain: f64) -> f64 {
+    /// |s| up to which the terms after s⁹ are below half a unit in the last place.
+    const SMALL: f64 = 0.01;
+    if strain.abs() > SMALL {
+        return strain.ln_1p() - strain / (1.0 + strain);
+    }
+    let squared = strain * strain;
+    let series = |terms: [f64; 4]| terms.into_iter().rev().fold(0.0, |sum, n| (1.0 - 1.0 / n) + squared * sum);
+    let (even, odd) = (series([2.0, 4.0, 6.0, 8.0]), series([3.0, 5.0, 7.0, 9.0]));
+    squared * (even - strain * odd)
 }
 
 /// `ρ ← ρ + Δt dρ/dt`, then Eq. 7.

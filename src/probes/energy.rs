@@ -85,6 +85,18 @@ mod tests {
     }
 
     #[test]
+    fn compression_energy_of_a_tiny_strain_has_all_its_digits() {
+        let state = EquationOfState { bulk_modulus: 6e5, background_pressure: 0.0, max_pressure: 0.0, max_speed: 0.0 };
+        // ρ/ρ0 − 1 without rounding; the next term of the series is 3s⁴/4.
+        let strain = 0.5_f64.powi(20);
+        for strain in [strain, -strain] {
+            let expected = 600.0 * strain * strain * (0.5 - strain * (2.0 / 3.0 - 0.75 * strain));
+            let energy = state.compression_energy(1000.0 * (1.0 + strain), 1000.0);
+            assert!((energy / expected - 1.0).abs() < 1e-14, "{energy} {expected}");
+        }
+    }
+
+    #[test]
     fn energies_of_a_tank_in_uniform_motion() {
         let mut app = opened(&scene(TANK, ""));
         app.set_fluid(|_, v, _, _| *v = DVec3::new(3.0, 4.0, 0.0));
