@@ -126,7 +126,7 @@ pub(super) fn close_step(
     let g = gravity_with_height(&gravity, &periodic);
     let (x, v, a, m, rho, p, rate, rho0): FluidColumns<'_> = columns(&fluid);
     let Worksheet { before, forces, bodies, .. } = &mut *sheet;
-    let of_particle = |i: usize| {
+    let add_particle = |sum: &mut StepSums, i: usize| {
         let (x, v, a, m, rho, rho0) = (x[i].0, v[i].0, a[i].0, m[i].0, rho[i].0, rho0[i].0);
         let before = before[i];
         let [compression, now] = [before.density, rho].map(|rho| m * state.compression_energy(rho, rho0));
@@ -136,23 +136,26 @@ pub(super) fn close_step(
         let body = m * a - pair_forces.forces[i];
         let tensile = tensile.0.get(i).copied().unwrap_or_default();
         let of_kind = [viscous, impact, ghosts, volumes, tensile, body - tensile - m * g];
-        StepSums {
-            kinetic: 0.5 * m * v.length_squared(),
-            compression: [compression, now],
-            diffusion: if integrated { m * mean_slope(&state, before.density, rho, rho0) * diffused } else { 0.0 },
-            resets: if integrated { 0.0 } else { now - compression - dt * m * before.taken_up(p[i].0, rho) },
-            momentum: m * v,
-            potential: -m * g.dot(x),
-            power: m * a.dot(v),
-            power_of: of_kind.map(|force| force.dot(v)),
-            product: m * a.dot(a),
-            product_of: of_kind.map(|force| force.dot(a)),
-            force: m * a,
-            body_force: body,
-            ..StepSums::default()
+        sum.kinetic += 0.5 * m * v.length_squared();
+        sum.compression[0] += compression;
+        sum.compression[1] += now;
+        if integrated {
+            sum.diffusion += m * mean_slope(&state, before.density, rho, rho0) * diffused;
+        } else {
+            sum.resets += now - compression - dt * m * before.taken_up(p[i].0, rho);
         }
+        sum.momentum += m * v;
+        sum.potential -= m * g.dot(x);
+        sum.power += m * a.dot(v);
+        sum.product += m * a.dot(a);
+        for (kind, force) in of_kind.into_iter().enumerate() {
+            sum.power_of[kind] += force.dot(v);
+            sum.product_of[kind] += force.dot(a);
+        }
+        sum.force += m * a;
+        sum.body_force += body;
     };
-    let mut now = sum_blocks(&mut blocks, x.len(), of_particle);
+    let mut now = sum_blocks(&mut blocks, x.len(), add_particle);
     (now.time_step, now.bodies) = (dt, *bodies);
     ledger.enter(&now);
     books.iter_mut().for_each(|mut books| books.ledger = *ledger);

@@ -52,6 +52,7 @@
 //! gravity too. R is the sum of the forces between fluid particles, round-off. Masses are constant;
 //! the volume Σ m/ρ is logged beside them.
 
+mod bodies;
 mod ledger;
 mod probe;
 mod sums;

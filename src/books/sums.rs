@@ -95,13 +95,17 @@ pub(super) fn note_before(
     sheet.before.extend(rates.iter().zip(rho).zip(p).map(of_particle));
 }
 
-/// `Σ each(i)` over `0..count`, block by block.
+/// The sum of what `add_to(sum, i)` adds for each i of `0..count`, block by block.
 pub(super) fn sum_blocks<T: Copy + Default + AddAssign + Send>(
     blocks: &mut Vec<T>,
     count: usize,
-    each: impl Fn(usize) -> T + Sync,
+    add_to: impl Fn(&mut T, usize) + Sync,
 ) -> T {
-    let block = |b: usize| sum((b * BLOCK..count.min((b + 1) * BLOCK)).map(&each));
+    let block = |b: usize| {
+        let mut sum = T::default();
+        (b * BLOCK..count.min((b + 1) * BLOCK)).for_each(|i| add_to(&mut sum, i));
+        sum
+    };
     (0..count.div_ceil(BLOCK)).into_par_iter().map(block).collect_into_vec(blocks);
     sum(blocks.iter().copied())
 }

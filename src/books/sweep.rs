@@ -1,4 +1,5 @@
-//! The pair forces of a step, told apart: what [`momentum`](crate::physics::momentum) adds up, and `N_ij` and `G_ib`.
+//! The pair forces of a step, told apart: what [`momentum`](crate::physics::momentum) adds up, and `N_ij`; and, of
+//! fluid beside them, what [walls and structures](super::bodies) do.
 //!
 //! Their sum is left for that stage in [`ForceSums`], so that there is one sweep for both.
 
@@ -8,46 +9,56 @@ use bevy_ecs::prelude::*;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::sums::{BLOCK, BodySums, KINDS, Kind, PairForces, Worksheet, sum};
+use super::bodies::{GhostColumns, NearBodies, near_bodies};
+use super::sums::{BLOCK, BodySums, PairForces, Worksheet, sum};
 use crate::kernels::SmoothingKernel;
-use crate::lanes::{Real, fields};
+use crate::lanes::{Real, fields, one_by_one};
 use crate::neighbours::{Neighbours, Pair, PairTerm, Sweep};
-use crate::particles::{Fluid, Gathered, Records, Solid, Vector, Wall, WallVelocity, Workspace, columns};
+use crate::particles::{Fluid, Gathered, Position, Records, Solid, Vector, Wall, WallVelocity, Workspace, columns};
 use crate::physics::{
-    FluidColumns, FluidState, ForceSum, ForceSums, Forces, GhostColumns, GhostState, ImpactPressures, Momentum,
-    MomentumSettings, PressureAverage, ViscousForce, impact_force, mean_viscosity, pair_forces as pair_forces_of,
-    with_forms,
+    FluidColumns, FluidState, ForceSum, ForceSums, Forces, GhostState, ImpactPressures, Momentum, MomentumSettings,
+    PressureAverage, ViscousForce, with_forms,
 };
 
 fields! {
-    /// What the books need of a particle.
+    /// What the books need of a particle: in 2D, with its position, as many numbers as a line of the cache holds.
     pub(super) struct Account<D> {
-        momentum: Momentum<D>,
-        /// p^w of fluid (Pa).
-        impact: f64,
+        /// v, or v_b of a ghost (m/s).
+        velocity: Vector<D>,
         /// V.
-        volume: f64,
-        /// v_w of a ghost.
-        wall_velocity: Vector<D>,
-        /// 1 of a structure, else 0.
-        structure: f64,
+        pub volume: f64,
+        /// ρ (kg/m³).
+        density: f64,
+        /// p (Pa).
+        pub pressure: f64,
+        /// μ of a fluid particle (Pa s), of a ghost as in [`Momentum`].
+        viscosity: f64,
+    }
+}
+
+impl<const D: usize> Account<D> {
+    /// A particle whose V² stands in `momentum`.
+    pub fn new(momentum: Momentum<D>, volume: f64) -> Self {
+        let Momentum { velocity, density, pressure, viscosity, .. } = momentum;
+        Self { velocity, volume, density, pressure, viscosity }
+    }
+}
+
+impl<const D: usize, R: Real> Account<D, R> {
+    /// What the forces need of it.
+    #[inline(always)]
+    pub fn momentum(&self) -> Momentum<D, R> {
+        let Self { velocity, volume, density, pressure, viscosity } = *self;
+        Momentum { velocity, squared_volume: volume * volume, density, pressure, viscosity }
     }
 }
 
 fields! {
-    /// Forces on a fluid particle, and what walls and structures do with those that are theirs.
-    pub(super) struct Parts<D> {
-        all: ForceSum<D>,
-        viscous: Vector<D>,
-        impact: Vector<D>,
-        ghosts: Vector<D>,
+    /// Forces on a fluid particle.
+    struct Parts<D> {
+        force: ForceSum<D>,
+        /// Σ_j N_ij.
         volumes: Vector<D>,
-        /// Σ_b F_ib of structures.
-        structures: Vector<D>,
-        /// Σ_b F_ib of walls and structures.
-        bodies: Vector<D>,
-        /// Σ_b F_ib·v_w of all forces, the viscous force, the impact, and of what ghosts take up.
-        power: [f64; 4],
     }
 }
 
@@ -60,43 +71,15 @@ impl<const D: usize, P: PressureAverage, V: ViscousForce> PairTerm<D> for Apart<
 
     #[inline(always)]
     fn fluid<R: Real>(&self, sum: &mut Parts<D, R>, own: &Account<D, R>, other: &Account<D, R>, pair: &Pair<D, R>) {
-        Forces::<P, V>::default().fluid(&mut sum.all, &own.momentum, &other.momentum, pair);
-        let (i, j) = (&own.momentum, &other.momentum);
-        let mu_ij = mean_viscosity(i.viscosity, j.viscosity);
-        V::add_to(&mut sum.viscous, mu_ij, i, j, pair);
+        let (i, j) = (own.momentum(), other.momentum());
+        Forces::<P, V>::default().fluid(&mut sum.force, &i, &j, pair);
         let compression = (i.pressure + j.pressure) * own.volume * other.volume;
-        sum.volumes.add_product(pair.r_ij, (compression - P::average(i, j)) * pair.gradient);
+        sum.volumes.add_product(pair.r_ij, (compression - P::average(&i, &j)) * pair.gradient);
     }
 
     #[inline(always)]
     fn ghost<R: Real>(&self, sum: &mut Parts<D, R>, own: &Account<D, R>, body: &Account<D, R>, pair: &Pair<D, R>) {
-        Forces::<P, V>::default().ghost(&mut sum.all, &own.momentum, &body.momentum, pair);
-        let (i, b) = (&own.momentum, &body.momentum);
-        let (pressure, viscous) = pair_forces_of::<D, R, P, V>(i.viscosity * b.viscosity, i, b, pair);
-        let impact = impact_force(own.impact, i, b, pair);
-        let ghost = pressure + pair.grad_w() * (i.pressure * own.volume * body.volume);
-        let force = pressure + viscous + impact;
-        sum.viscous += viscous;
-        sum.impact += impact;
-        sum.ghosts += ghost;
-        sum.bodies += force;
-        sum.structures.add_product(force, body.structure);
-        for (power, force) in sum.power.iter_mut().zip([force, viscous, impact, ghost]) {
-            *power = force.dot_plus(body.wall_velocity, *power);
-        }
-    }
-}
-
-/// The records of walls or of structures.
-fn ghosts<'a, const D: usize>(
-    structure: f64,
-    ((x, v, volume, rho, p, slip), v_w): (GhostColumns<'a>, &'a [WallVelocity]),
-) -> impl Fn(usize) -> Gathered<D, Account<D>> + Sync + Send + use<'a, D> {
-    move |b: usize| {
-        let momentum = Momentum::ghost(v[b], volume[b], rho[b], p[b], slip[b]);
-        let impact = 0.0;
-        let state = Account { momentum, impact, volume: volume[b].0, wall_velocity: v_w[b].0.into(), structure };
-        Gathered { position: x[b].0.into(), state }
+        Forces::<P, V>::default().ghost(&mut sum.force, &own.momentum(), &body.momentum(), pair);
     }
 }
 
@@ -112,64 +95,58 @@ pub(super) fn pair_forces<const D: usize>(
     walls: Query<(GhostState, &WallVelocity), With<Wall>>,
     structures: Query<(GhostState, &WallVelocity), With<Solid>>,
 ) {
-    let (walls, structures) = (ghosts(0.0, columns(&walls)), ghosts(1.0, columns(&structures)));
+    let ghosts: [GhostColumns<'_>; 2] = [columns(&walls), columns(&structures)];
     let (x, v, m, rho, p, mu): FluidColumns<'_> = columns(&fluid);
-    let own = |i: usize| {
-        let momentum = Momentum::fluid(v[i], m[i], rho[i], p[i], mu[i]);
-        let volume = m[i].0 / rho[i].0;
-        let impact = impact.of(i);
-        let state = Account { momentum, impact, volume, wall_velocity: Vector::ZERO, structure: 0.0 };
-        Gathered { position: x[i].0.into(), state }
-    };
-    let records = workspace.gather::<D, Account<D>>(&neighbours.rows, own, walls, structures);
+    let own = |i: usize| Account::new(Momentum::fluid(v[i], m[i], rho[i], p[i], mu[i]), m[i].0 / rho[i].0);
+    let of_fluid = |i: usize| Gathered { position: x[i].0.into(), state: own(i) };
+    let [of_walls, of_structures] = ghosts.map(|((x, v, volume, rho, p, slip), _)| {
+        move |b: usize| {
+            let momentum = Momentum::ghost(v[b], volume[b], rho[b], p[b], slip[b]);
+            Gathered { position: x[b].0.into(), state: Account::new(momentum, volume[b].0) }
+        }
+    });
+    let records = workspace.gather::<D, Account<D>>(&neighbours.rows, of_fluid, of_walls, of_structures);
     let sheet = &mut *sheet;
     all.forces.resize(x.len(), DVec3::ZERO);
     all.are_new = true;
     sheet.forces.resize(x.len(), PairForces::default());
     sheet.body_blocks.resize(x.len().div_ceil(BLOCK), BodySums::default());
     let out = (&mut all.forces[..], &mut sheet.forces[..], &mut sheet.body_blocks[..]);
-    with_forms!(settings, tell_apart::<D>(&neighbours, &kernel, records, &impact, out));
+    let bodies = near_bodies(&kernel, &neighbours, ghosts);
+    with_forms!(settings, tell_apart::<D>((&neighbours, &kernel), records, &bodies, (x, &own, &impact), out));
     sheet.bodies = sum(sheet.body_blocks.iter().copied());
 }
 
 fn tell_apart<const D: usize, P: PressureAverage, V: ViscousForce>(
-    neighbours: &Neighbours,
-    kernel: &SmoothingKernel,
+    (neighbours, kernel): (&Neighbours, &SmoothingKernel),
     records: Records<'_, D, Account<D>>,
-    impact: &ImpactPressures,
+    bodies: &NearBodies<'_>,
+    (x, own, impact): (&[Position], &(impl Fn(usize) -> Account<D> + Sync), &ImpactPressures),
     (all, forces, blocks): (&mut [DVec3], &mut [PairForces], &mut [BodySums]),
 ) {
     let sweep = Sweep::new(neighbours, &*kernel.0, records, Apart::<P, V>(PhantomData));
     let blocks = all.par_chunks_mut(BLOCK).zip(forces.par_chunks_mut(BLOCK)).zip(blocks);
-    blocks.enumerate().for_each(|(block, ((all, forces), bodies))| {
-        *bodies = BodySums::default();
-        sweep.sum(block * BLOCK, forces.len(), |k, sums| {
-            *bodies += sums.of_bodies();
-            all[k] = sums.all.total(impact.of(block * BLOCK + k)).into();
-            forces[k] = sums.into();
+    blocks.enumerate().for_each(|(block, ((all, forces), of_bodies))| {
+        let first = block * BLOCK;
+        sweep.sum(first, forces.len(), |k, Parts { force, volumes }| {
+            let p_w = impact.of(first + k);
+            all[k] = force.total(p_w).into();
+            let (viscous, impact) = (force.viscous.into(), (force.of_unit_impact * p_w).into());
+            forces[k] = PairForces { viscous, impact, ghosts: DVec3::ZERO, volumes: volumes.into() };
         });
+        *of_bodies = BodySums::default();
+        one_by_one(
+            #[inline(always)]
+            || {
+                for (k, forces) in forces.iter_mut().enumerate() {
+                    let i = first + k;
+                    let near = neighbours.fluid.of(i).ghosts;
+                    if !near.is_empty() {
+                        let (x_i, own) = (x[i].0, own(i));
+                        forces.ghosts = bodies.act::<D, P, V>(x_i, &own, impact.of(i), near, of_bodies);
+                    }
+                }
+            },
+        );
     });
-}
-
-impl<const D: usize> Parts<D> {
-    fn of_bodies(&self) -> BodySums {
-        let [power, viscous, impact, ghosts] = self.power;
-        let mut of_kind = [0.0; KINDS];
-        of_kind[Kind::Viscous as usize] = viscous;
-        of_kind[Kind::Impact as usize] = impact;
-        of_kind[Kind::Ghosts as usize] = ghosts;
-        let structures = self.structures.into();
-        BodySums { power, of_kind, walls: DVec3::from(self.bodies) - structures, structures }
-    }
-}
-
-impl<const D: usize> From<Parts<D>> for PairForces {
-    fn from(sums: Parts<D>) -> Self {
-        Self {
-            viscous: sums.viscous.into(),
-            impact: sums.impact.into(),
-            ghosts: sums.ghosts.into(),
-            volumes: sums.volumes.into(),
-        }
-    }
 }

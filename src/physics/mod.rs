@@ -51,9 +51,9 @@ pub(crate) use compression_gradient::LEAST_RATIO;
 pub(crate) use divergence::{GREATEST_COMPRESSION, MOST_STEPS, settle_least_time_step};
 pub(crate) use free_surface::{CLEAR_FILLING, LEAST_FILLING};
 pub(crate) use momentum::{
-    FluidColumns, FluidState, ForceSum, Forces, GhostColumns, GhostState, impact_force, mean_viscosity, pair_forces,
-    with_forms,
+    FluidColumns, FluidState, ForceSum, Forces, GhostColumns, GhostState, impact_force, pair_forces, with_forms,
 };
+pub(crate) use near_ghosts::NearGhosts;
 pub(crate) use shifting::{AT_SURFACE, LONGEST_SHIFT, NEAR_SURFACE};
 pub(crate) use strain_rate::LEAST_DETERMINANT;
 pub(crate) use wall_impact::fullness_in_front;

@@ -74,7 +74,7 @@ impl<const D: usize> Momentum<D> {
 
 /// μ̄_ij = 2 μ_i μ_j/(μ_i + μ_j) (Pa s) of two fluid particles.
 #[inline(always)]
-pub(crate) fn mean_viscosity<R: Real>(mu_i: R, mu_j: R) -> R {
+pub(super) fn mean_viscosity<R: Real>(mu_i: R, mu_j: R) -> R {
     (mu_i * 2.0) * mu_j / ((mu_i + f64::MIN_POSITIVE) + mu_j)
 }
 
@@ -131,10 +131,12 @@ pub(crate) fn impact_force<const D: usize, R: Real>(
 fields! {
     /// The sum of pair forces on a fluid particle.
     pub(crate) struct ForceSum<D> {
-        /// All but that of the impact pressure (N; N/m in 2D).
-        others: Vector<D>,
+        /// Pressure force without that of the impact pressure (N; N/m in 2D).
+        pub pressure: Vector<D>,
+        /// Viscous force (N; N/m in 2D).
+        pub viscous: Vector<D>,
         /// `−Σ_b (V_i² + V_b²) ∇_iW_ib` (m²; m in 2D), the force for each Pa of impact pressure: the p^w of a particle acts alike on all ghosts.
-        of_unit_impact: Vector<D>,
+        pub of_unit_impact: Vector<D>,
     }
 }
 
@@ -142,7 +144,7 @@ impl<const D: usize> ForceSum<D> {
     /// The whole force with the impact pressure `impact` = p^w (Pa).
     #[inline(always)]
     pub(crate) fn total(self, impact: f64) -> Vector<D> {
-        self.others + self.of_unit_impact * impact
+        self.pressure + self.viscous + self.of_unit_impact * impact
     }
 }
 
@@ -179,16 +181,16 @@ impl<const D: usize, P: PressureAverage, V: ViscousForce> PairTerm<D> for Forces
     #[inline(always)]
     fn fluid<R: Real>(&self, sum: &mut ForceSum<D, R>, i: &Momentum<D, R>, j: &Momentum<D, R>, pair: &Pair<D, R>) {
         let mu_ij = mean_viscosity(i.viscosity, j.viscosity);
-        add_pressure::<D, R, P>(&mut sum.others, i, j, pair);
-        V::add_to(&mut sum.others, mu_ij, i, j, pair);
+        add_pressure::<D, R, P>(&mut sum.pressure, i, j, pair);
+        V::add_to(&mut sum.viscous, mu_ij, i, j, pair);
     }
 
     #[inline(always)]
     fn ghost<R: Real>(&self, sum: &mut ForceSum<D, R>, i: &Momentum<D, R>, b: &Momentum<D, R>, pair: &Pair<D, R>) {
         let mu_ib = i.viscosity * b.viscosity;
-        add_pressure::<D, R, P>(&mut sum.others, i, b, pair);
+        add_pressure::<D, R, P>(&mut sum.pressure, i, b, pair);
         add_unit_impact(&mut sum.of_unit_impact, i, b, pair);
-        V::add_to(&mut sum.others, mu_ib, i, b, pair);
+        V::add_to(&mut sum.viscous, mu_ib, i, b, pair);
     }
 }
 

@@ -7,7 +7,7 @@ use crate::neighbours::Rows;
 use crate::particles::Position;
 
 /// The ghosts of walls, then of structures, as the numbering of rows has them: where they are, and `columns` of their own.
-pub(super) struct NearGhosts<'a, C> {
+pub(crate) struct NearGhosts<'a, C> {
     pub kernel: &'a SmoothingKernel,
     pub rows: &'a Rows,
     pub positions: [&'a [Position]; 2],
