@@ -13,7 +13,6 @@ use serde::{Deserialize, Serialize};
 
 use super::Body;
 use crate::clock::Clock;
-use crate::neighbours::Neighbours;
 use crate::particles::{
     BodyIndex, GRAIN, PIECE, Position, RestPosition, Solid, Wall, WallAcceleration, WallAngularVelocity, WallVelocity,
 };
@@ -307,49 +306,36 @@ type Moved = (
 /// Puts the particles of every moving body where it is at the end of the step.
 pub fn move_bodies(
     clock: Res<Clock>,
-    mut neighbours: ResMut<Neighbours>,
     bodies: Query<(&Body, &Motion, Has<super::Structure>)>,
     mut walls: Query<Moved, With<Wall>>,
     mut structures: Query<Moved, (With<Solid>, Without<Wall>)>,
 ) -> Result {
-    let mut farthest: f64 = 0.0;
     for (body, motion, is_structure) in &bodies {
         let Some(kinematics) = motion.at(clock.time) else { continue };
-        let moved = if is_structure {
-            move_particles(body.index, &kinematics, &mut structures)?
+        if is_structure {
+            move_particles(body.index, &kinematics, &mut structures)?;
         } else {
-            move_particles(body.index, &kinematics, &mut walls)?
-        };
-        farthest = farthest.max(moved);
+            move_particles(body.index, &kinematics, &mut walls)?;
+        }
     }
-    neighbours.moved(farthest);
     Ok(())
 }
 
-/// Moves the particles of one body; the greatest distance (m) that one of them went.
-fn move_particles<F: ArchetypeFilter>(
-    body: u32,
-    kinematics: &Kinematics,
-    particles: &mut Query<Moved, F>,
-) -> Result<f64> {
+/// Moves the particles of one body.
+fn move_particles<F: ArchetypeFilter>(body: u32, kinematics: &Kinematics, particles: &mut Query<Moved, F>) -> Result {
     let (rotation, omega_w) = (kinematics.rotation(), kinematics.angular_velocity());
-    let mut farthest: f64 = 0.0;
     for (index, rest, mut x, mut v, mut a, mut omega) in particles.contiguous_iter_mut()? {
         let moving = (x.bypass_change_detection(), v.bypass_change_detection(), a.bypass_change_detection());
         let columns = (index, rest, moving.0, moving.1, moving.2, omega.bypass_change_detection());
         let particles = columns.into_par_iter().with_min_len(GRAIN).with_max_len(PIECE);
-        let distance = particles.map(|(index, rest, x, v, a, omega)| {
-            if index.0 != body {
-                return 0.0;
+        particles.for_each(|(index, rest, x, v, a, omega)| {
+            if index.0 == body {
+                (x.0, v.0, a.0) = kinematics.of_turned(rotation, rest.0);
+                omega.0 = omega_w;
             }
-            let (position, velocity, acceleration) = kinematics.of_turned(rotation, rest.0);
-            let moved = position.distance_squared(x.0);
-            (x.0, v.0, a.0, omega.0) = (position, velocity, acceleration, omega_w);
-            moved
         });
-        farthest = farthest.max(distance.reduce(|| 0.0, f64::max).sqrt());
     }
-    Ok(farthest)
+    Ok(())
 }
 
 #[cfg(test)]

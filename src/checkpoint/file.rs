@@ -24,7 +24,7 @@ use crate::log::LogMark;
 pub(super) const MAGIC: [u8; 8] = *b"\x89STOCKP\n";
 
 /// Version of the format. It changes with [`About`] and with how state is written.
-const FORMAT: u32 = 2;
+const FORMAT: u32 = 3;
 
 /// Bytes before the body.
 const HEAD: usize = MAGIC.len() + 4 + 8 + 4;

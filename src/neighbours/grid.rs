@@ -12,7 +12,8 @@ use crate::particles::Workspace;
 pub(super) struct Entry {
     position: [f64; 3],
     pub row: u32,
-    fluid: u32,
+    /// Half-skin (m), negative (or −0) of a ghost.
+    signed_half_skin: f32,
 }
 
 /// Numbers of 32 bits that an entry is made of.
@@ -24,7 +25,12 @@ impl Entry {
     }
 
     pub fn is_fluid(&self) -> bool {
-        self.fluid == 1
+        self.signed_half_skin.is_sign_positive()
+    }
+
+    /// Half-skin (m).
+    pub fn half_skin(&self) -> f64 {
+        f64::from(self.signed_half_skin.abs())
     }
 }
 
@@ -89,6 +95,7 @@ impl Grid {
     pub fn sort<'a>(
         &'a mut self,
         positions: &[DVec3],
+        half_skins: &[f32],
         is_fluid: impl Fn(usize) -> bool,
         workspace: &'a mut Workspace,
     ) -> SortedRows<'a> {
@@ -112,8 +119,9 @@ impl Grid {
         for (row, &cell) in cell_of_row.iter().enumerate() {
             if cell != OUTSIDE {
                 let place = &mut self.first[cell as usize];
-                let fluid = u32::from(is_fluid(row));
-                entries[*place as usize] = Entry { position: positions[row].to_array(), row: row as u32, fluid };
+                let signed_half_skin = if is_fluid(row) { half_skins[row] } else { -half_skins[row] };
+                let position = positions[row].to_array();
+                entries[*place as usize] = Entry { position, row: row as u32, signed_half_skin };
                 *place += 1;
             }
         }

@@ -5,10 +5,10 @@ mod clusters;
 mod grid;
 mod images;
 mod list;
+mod skin;
 mod sort;
 mod sweep;
 
-pub(crate) use build::FIRST_SKIN;
 pub use build::{NeighbourSettings, Neighbours, NeighboursPlugin};
 pub use clusters::{CLUSTER, ClusterList, Near, NearRows};
 pub use images::{Image, PeriodicSides};
@@ -19,6 +19,7 @@ use glam::DVec3;
 use images::add_images;
 
 pub(crate) use list::{Wanted, clear_with_room};
+pub(crate) use skin::FIRST_HALF_SKIN;
 
 /// How the rows of all tables follow one another in the numbering that neighbour lists use: first the fluid, then
 /// walls, structures, and the periodic images of any of them.

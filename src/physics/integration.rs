@@ -6,7 +6,6 @@ use bevy_ecs::prelude::*;
 use rayon::prelude::*;
 
 use crate::clock::Clock;
-use crate::neighbours::Neighbours;
 use crate::particles::{Acceleration, Fluid, GRAIN, PIECE, Position, Velocity};
 
 /// `v ← v + ½Δt a`, before the drift and again after the forces.
@@ -23,11 +22,7 @@ pub(super) fn kick(clock: Res<Clock>, mut fluid: Query<(&mut Velocity, &Accelera
 }
 
 /// `x ← x + Δt v`.
-pub fn drift(
-    clock: Res<Clock>,
-    mut neighbours: ResMut<Neighbours>,
-    mut fluid: Query<(&mut Position, &Velocity), With<Fluid>>,
-) -> Result {
+pub fn drift(clock: Res<Clock>, mut fluid: Query<(&mut Position, &Velocity), With<Fluid>>) -> Result {
     let dt = clock.time_step;
     for (mut position, velocity) in fluid.contiguous_iter_mut()? {
         (position.bypass_change_detection(), velocity)
@@ -36,7 +31,5 @@ pub fn drift(
             .with_max_len(PIECE)
             .for_each(|(x, v)| x.0 += dt * v.0);
     }
-    // No speed after the first kick exceeds |v|_max + ½Δt |a|_max of the step before.
-    neighbours.moved(dt * (clock.greatest_speed + 0.5 * dt * clock.greatest_acceleration));
     Ok(())
 }

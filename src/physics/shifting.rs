@@ -186,7 +186,7 @@ pub fn shift_particles<const D: usize>(
     setting: Res<Shifting>,
     (clock, resolution): (Res<Clock>, Res<Resolution>),
     kernel: Res<SmoothingKernel>,
-    mut neighbours: ResMut<Neighbours>,
+    neighbours: Res<Neighbours>,
     mut workspace: ResMut<Workspace>,
     mut shifted: ResMut<ShiftedMass>,
     mut sums: Local<Vec<(DVec3, f64)>>,
@@ -227,13 +227,7 @@ pub fn shift_particles<const D: usize>(
             x.0 += *shift;
             filled.0 = *phi;
         });
-        let (mut longest, mut moved) = (0.0_f64, DVec3::ZERO);
-        for ((shift, _), m) in sums.iter().zip(m) {
-            longest = longest.max(shift.length_squared());
-            moved += m.0 * *shift;
-        }
-        shifted.0 = moved;
-        neighbours.moved(longest.sqrt());
+        shifted.0 = sums.iter().zip(m).map(|((shift, _), m)| m.0 * *shift).sum();
     }
     Ok(())
 }

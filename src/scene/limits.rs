@@ -11,7 +11,7 @@ use super::{FluidsSection, Invalid, Resolution, SceneDocument, SceneSection};
 use crate::boundary::{StructuresSection, WallsSection};
 use crate::error::UserError;
 use crate::kernels::SmoothingKernel;
-use crate::neighbours::{FIRST_SKIN, NeighbourSettings};
+use crate::neighbours::{FIRST_HALF_SKIN, NeighbourSettings};
 use crate::number::{bytes, plain, short};
 
 /// More particles than this are a mistake in the scene rather than a case that a machine of today runs.
@@ -86,7 +86,7 @@ impl Contents {
         let resolution = world.resource::<Resolution>();
         let Resolution { dimension, spacing, .. } = *resolution;
         let kernel = world.resource::<SmoothingKernel>();
-        let skin = world.resource::<NeighbourSettings>().skin.unwrap_or(FIRST_SKIN);
+        let skin = world.resource::<NeighbourSettings>().skin.unwrap_or(2.0 * FIRST_HALF_SKIN);
         let reach = (1.0 + skin) * kernel.0.radius() / spacing;
         let document = &world.resource::<SceneDocument>().0;
         let is_sound =

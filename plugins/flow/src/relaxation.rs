@@ -22,7 +22,7 @@ use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use storegga::clock::Clock;
-use storegga::neighbours::{Neighbours, PeriodicSides};
+use storegga::neighbours::PeriodicSides;
 use storegga::particles::{Fluid, Position, Velocity};
 use storegga::physics::EquationOfState;
 use storegga::probes::box_inside;
@@ -159,15 +159,12 @@ const GRAIN: usize = 256;
 pub fn relax(
     clock: Res<Clock>,
     zones: Res<RelaxationZones>,
-    mut neighbours: ResMut<Neighbours>,
     mut fluid: Query<(&Position, &mut Velocity), With<Fluid>>,
 ) -> Result {
     let dt = clock.time_step;
     // The step began before its time: its middle decides whether a zone acts.
     let now = clock.time - 0.5 * dt;
     for zone in zones.0.values().filter(|zone| zone.from <= now && zone.until.is_none_or(|until| now < until)) {
-        // The drift that follows knows of the speeds before.
-        neighbours.moved(dt * (zone.target.greatest_speed() - clock.greatest_speed).max(0.0));
         for (position, mut velocity) in fluid.contiguous_iter_mut()? {
             let columns = (position, velocity.bypass_change_detection()).into_par_iter().with_min_len(GRAIN);
             columns.for_each(|(x, v)| {
