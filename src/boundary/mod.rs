@@ -9,7 +9,7 @@ mod walls;
 
 pub use body::{Body, BodyShape};
 pub use loads::{Load, Structure, force_on_particles, sum_loads};
-pub use motion::{Kinematics, Motion, TableRow, move_bodies};
+pub use motion::{InverseMotion, Kinematics, Motion, TableRow, move_bodies};
 pub use overlap::LeftOut;
 pub use structures::{StructureSpec, StructuresSection};
 pub use walls::{FluidSide, WallSpec, WallsSection};

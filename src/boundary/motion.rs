@@ -6,7 +6,7 @@
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::ArchetypeFilter;
-use glam::{DQuat, DVec3};
+use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -96,6 +96,22 @@ pub struct Kinematics {
     pub angle: [f64; 3],
 }
 
+/// From where the points of a body are to where they were at rest, `x0 = c + R(−θ) (x − c − d)`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InverseMotion {
+    rotation: DMat3,
+    center: DVec3,
+    displacement: DVec3,
+}
+
+impl InverseMotion {
+    /// Where the point that is at `position` (m) was at rest.
+    #[must_use]
+    pub fn rest_of(&self, position: DVec3) -> DVec3 {
+        self.center + self.rotation * (position - self.center - self.displacement)
+    }
+}
+
 impl Kinematics {
     /// Position, velocity and acceleration of the point that was at `rest` (m).
     #[must_use]
@@ -104,12 +120,12 @@ impl Kinematics {
     }
 
     /// R(θ).
-    fn rotation(&self) -> DQuat {
-        DQuat::from_axis_angle(self.axis, self.angle[0])
+    fn rotation(&self) -> DMat3 {
+        DMat3::from_axis_angle(self.axis, self.angle[0])
     }
 
     /// [`of`](Self::of) with R(θ) at hand: its sine and cosine are the same for all points of a body.
-    fn of_turned(&self, rotation: DQuat, rest: DVec3) -> (DVec3, DVec3, DVec3) {
+    fn of_turned(&self, rotation: DMat3, rest: DVec3) -> (DVec3, DVec3, DVec3) {
         let [d, d1, d2] = self.displacement;
         let [_, rate, acceleration] = self.angle;
         let arm = rotation * (rest - self.center);
@@ -117,11 +133,11 @@ impl Kinematics {
         (self.center + arm + d, rate * turn + d1, acceleration * turn + rate * rate * self.axis.cross(turn) + d2)
     }
 
-    /// Where the point that is at `position` (m) was at rest: x0 = c + R(−θ) (x − c − d).
+    /// The way back, from where points are to where they were at rest.
     #[must_use]
-    pub fn rest_of(&self, position: DVec3) -> DVec3 {
-        let arm = position - self.center - self.displacement[0];
-        self.center + DQuat::from_axis_angle(self.axis, -self.angle[0]) * arm
+    pub fn inverse(&self) -> InverseMotion {
+        let [displacement, ..] = self.displacement;
+        InverseMotion { rotation: self.rotation().transpose(), center: self.center, displacement }
     }
 
     /// Angular velocity θ' e (rad/s).

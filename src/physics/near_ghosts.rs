@@ -15,24 +15,25 @@ pub(crate) struct NearGhosts<'a, C> {
 }
 
 /// Ghosts for which the kernel is evaluated in one call.
-const BATCH: usize = 64;
+const BATCH: usize = 32;
 
 impl<C: Copy> NearGhosts<'_, C> {
-    /// Calls `term(columns, b, r_ib, F_ib)` for the ghosts b in the rows `near` to a fluid particle at `x_i`.
+    /// Calls `term(columns, b, r_ib, F_ib)` for the ghosts b in the rows `near` to a fluid particle at `x_i` that are within the support.
     #[inline(always)]
     pub fn each(&self, x_i: DVec3, near: &[u32], mut term: impl FnMut(C, usize, DVec3, f64)) {
         for rows in near.chunks(BATCH) {
-            let mut gradients = [0.0; BATCH];
-            let gradients = &mut gradients[..rows.len()];
-            for (&row, out) in rows.iter().zip(&mut *gradients) {
-                let (table, b) = self.find(row);
-                *out = x_i.distance_squared(self.positions[table][b].0 + self.rows.shift(row));
-            }
-            self.kernel.0.gradients(gradients);
-            for (&row, &gradient) in rows.iter().zip(&*gradients) {
+            let (mut gradients, mut pairs) = ([0.0; BATCH], [(0, 0, DVec3::ZERO); BATCH]);
+            for ((&row, out), pair) in rows.iter().zip(&mut gradients).zip(&mut pairs) {
                 let (table, b) = self.find(row);
                 let r_ib = x_i - (self.positions[table][b].0 + self.rows.shift(row));
-                term(self.columns[table], b, r_ib, gradient);
+                (*out, *pair) = (r_ib.length_squared(), (table, b, r_ib));
+            }
+            let gradients = &mut gradients[..rows.len()];
+            self.kernel.0.gradients(gradients);
+            for (&gradient, &(table, b, r_ib)) in gradients.iter().zip(&pairs) {
+                if gradient != 0.0 {
+                    term(self.columns[table], b, r_ib, gradient);
+                }
             }
         }
     }

@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{Probe, SeriesField, State};
-use crate::boundary::{BodyShape, Kinematics, Motion};
+use crate::boundary::{BodyShape, InverseMotion, Motion};
 use crate::scene::{FilledFluids, Invalid};
 
 /// Compression |ρ/ρ0 − 1| of the fluid, the `greatest` and the root mean square `rms` over particles, and two counts of
@@ -22,7 +22,7 @@ pub struct DensityError {
     #[serde(skip)]
     bodies: Vec<(BodyShape, Motion)>,
     #[serde(skip)]
-    moved: Vec<Option<Kinematics>>,
+    moved: Vec<Option<InverseMotion>>,
 }
 
 /// Depth (in spacings) in a body below which a particle counts as inside, and distance from the scene beyond which it counts as lost.
@@ -53,8 +53,8 @@ impl Probe for DensityError {
         let fluid = &state.fluid;
         let (mut greatest, mut sum, mut lost, mut inside): (f64, f64, u32, u32) = (0.0, 0.0, 0, 0);
         self.moved.clear();
-        self.moved.extend(self.bodies.iter().map(|(_, motion)| motion.at(state.clock.time)));
-        let clearance = |body: &BodyShape, moved: &Option<Kinematics>, x: DVec3| {
+        self.moved.extend(self.bodies.iter().map(|(_, motion)| motion.at(state.clock.time).map(|now| now.inverse())));
+        let clearance = |body: &BodyShape, moved: &Option<InverseMotion>, x: DVec3| {
             let at_rest = moved.map_or(x, |moved| state.periodic.wrap(moved.rest_of(x)));
             body.clearance_through(state.periodic, at_rest)
         };
