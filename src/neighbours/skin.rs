@@ -15,8 +15,8 @@
 use bevy_ecs::prelude::*;
 use rayon::prelude::*;
 
+use super::PeriodicSides;
 use super::build::{NeighbourSettings, Neighbours};
-use super::{PeriodicSides, Rows};
 use crate::clock::Clock;
 use crate::kernels::SmoothingKernel;
 use crate::particles::{Fluid, GRAIN, Position, Solid, Velocity, Wall, WallVelocity, columns};
@@ -71,11 +71,9 @@ pub(super) fn half_skins(
     let spare = SPARE * mean;
     let steps = (SKIN_FOR_MOTION / (mean + spare).sqrt()).min(greatest / (farthest + spare));
     for s in out {
-        let half_skin = steps * (f64::from(*s) + spare);
-        // Of fluid at rest it is no number.
-        *s = (radius
-            * if half_skin > LEAST_HALF_SKIN { half_skin.min(greatest) } else { LEAST_HALF_SKIN.min(greatest) })
-            as f32;
+        // With fluid at rest the product is no number, of which `max` makes the least.
+        let half_skin = (steps * (f64::from(*s) + spare)).max(LEAST_HALF_SKIN).min(greatest);
+        *s = (half_skin * radius) as f32;
     }
 }
 
@@ -86,17 +84,19 @@ pub(super) fn lists_are_stale(
     walls: Query<&Position, With<Wall>>,
     structures: Query<&Position, With<Solid>>,
 ) -> bool {
-    let Neighbours { rows: Rows { fluid: of_fluid, walls: of_walls, .. }, positions, half_skins, .. } = &*neighbours;
-    let tables: [&[Position]; 3] = [columns(&fluid), columns(&walls), columns(&structures)];
-    neighbours.builds == 0 || neighbours.is_invalid || {
-        let starts = [0, *of_fluid, of_fluid + of_walls];
-        starts.into_iter().zip(tables).any(|(start, table)| {
-            let then = positions[start..].par_iter().zip(&half_skins[start..]);
-            // A position that is no number has left, too.
-            let has_left = |(x, (then, s)): (&Position, (&_, &f32))| {
-                !(x.0.distance_squared(*then) <= f64::from(*s) * f64::from(*s))
-            };
-            table.par_iter().zip(then).with_min_len(GRAIN).any(has_left)
-        })
+    let n = &*neighbours;
+    if n.builds == 0 || n.is_invalid {
+        return true;
     }
+    let tables: [&[Position]; 3] = [columns(&fluid), columns(&walls), columns(&structures)];
+    let starts = [0, n.rows.fluid, n.rows.fluid + n.rows.walls];
+    let serves = |(start, table): (usize, &[Position])| {
+        let then = n.positions[start..].par_iter().zip(&n.half_skins[start..]);
+        // Not so where a position is no number.
+        table.par_iter().zip(then).with_min_len(GRAIN).all(|(x, (then, s))| {
+            let half_skin = f64::from(*s);
+            x.0.distance_squared(*then) <= half_skin * half_skin
+        })
+    };
+    !starts.into_iter().zip(tables).all(serves)
 }
