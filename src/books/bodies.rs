@@ -10,16 +10,16 @@ use crate::particles::WallVelocity;
 use crate::physics::{self, Momentum, NearGhosts, PressureAverage, ViscousForce, impact_force, pair_forces};
 
 /// What the books read of walls or of structures.
-pub(super) type GhostColumns<'a> = (physics::GhostColumns<'a>, &'a [WallVelocity]);
+pub(super) type BodyColumns<'a> = (physics::GhostColumns<'a>, &'a [WallVelocity]);
 
 /// The ghosts near fluid; the second column says whether they are those of structures.
-pub(super) struct NearBodies<'a>(NearGhosts<'a, (GhostColumns<'a>, bool)>);
+pub(super) struct NearBodies<'a>(NearGhosts<'a, (BodyColumns<'a>, bool)>);
 
 /// The ghosts of walls, then of structures.
 pub(super) fn near_bodies<'a>(
     kernel: &'a SmoothingKernel,
     neighbours: &'a Neighbours,
-    [walls, structures]: [GhostColumns<'a>; 2],
+    [walls, structures]: [BodyColumns<'a>; 2],
 ) -> NearBodies<'a> {
     let positions = [walls.0.0, structures.0.0];
     NearBodies(NearGhosts { kernel, rows: &neighbours.rows, positions, columns: [(walls, false), (structures, true)] })
@@ -46,7 +46,7 @@ impl NearBodies<'_> {
             |(((_, v, volume, rho, p, slip), v_w), is_structure), b, r_ib, gradient| {
                 let body = Momentum::ghost(v[b], volume[b], rho[b], p[b], slip[b]);
                 let pair = Pair { r_ij: r_ib.into(), gradient };
-                let (pressure, viscous) = pair_forces::<D, f64, P, V>(i.viscosity * body.viscosity, &i, &body, &pair);
+                let (pressure, viscous) = pair_forces::<D, P, V>(i.viscosity * body.viscosity, &i, &body, &pair);
                 let impact = impact_force(p_w, &i, &body, &pair);
                 let ghost = pressure + pair.grad_w() * (own.pressure * own.volume * volume[b].0);
                 let [force, viscous, impact, ghost] =

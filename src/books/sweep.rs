@@ -1,5 +1,5 @@
-//! The pair forces of a step, told apart: what [`momentum`](crate::physics::momentum) adds up, and `N_ij`; and, of
-//! fluid beside them, what [walls and structures](super::bodies) do.
+//! The pair forces of a step, told apart: what [`momentum`](crate::physics::momentum) adds up, `N_ij`, and what
+//! [walls and structures](super::bodies) do to the fluid beside them.
 //!
 //! Their sum is left for that stage in [`ForceSums`], so that there is one sweep for both.
 
@@ -9,7 +9,7 @@ use bevy_ecs::prelude::*;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::bodies::{GhostColumns, NearBodies, near_bodies};
+use super::bodies::{BodyColumns, NearBodies, near_bodies};
 use super::sums::{BLOCK, BodySums, PairForces, Worksheet, sum};
 use crate::kernels::SmoothingKernel;
 use crate::lanes::{Real, fields, one_by_one};
@@ -37,7 +37,7 @@ fields! {
 }
 
 impl<const D: usize> Account<D> {
-    /// A particle whose V² stands in `momentum`.
+    /// What `momentum` says of a particle, but V in the place of its square.
     pub fn new(momentum: Momentum<D>, volume: f64) -> Self {
         let Momentum { velocity, density, pressure, viscosity, .. } = momentum;
         Self { velocity, volume, density, pressure, viscosity }
@@ -95,7 +95,7 @@ pub(super) fn pair_forces<const D: usize>(
     walls: Query<(GhostState, &WallVelocity), With<Wall>>,
     structures: Query<(GhostState, &WallVelocity), With<Solid>>,
 ) {
-    let ghosts: [GhostColumns<'_>; 2] = [columns(&walls), columns(&structures)];
+    let ghosts: [BodyColumns<'_>; 2] = [columns(&walls), columns(&structures)];
     let (x, v, m, rho, p, mu): FluidColumns<'_> = columns(&fluid);
     let own = |i: usize| Account::new(Momentum::fluid(v[i], m[i], rho[i], p[i], mu[i]), m[i].0 / rho[i].0);
     let of_fluid = |i: usize| Gathered { position: x[i].0.into(), state: own(i) };

@@ -112,7 +112,7 @@ fn sum_forces<const D: usize, P: PressureAverage, V: ViscousForce>(
             #[inline(always)]
             |row, fluid, pair| {
                 let mu_sf = solid.viscosity * fluid.viscosity;
-                let (pressure, viscous) = pair_forces::<D, f64, P, V>(mu_sf, solid, fluid, pair);
+                let (pressure, viscous) = pair_forces::<D, P, V>(mu_sf, solid, fluid, pair);
                 pressure_force += pressure + impact_force(impact.of(neighbours.rows.source(row)), solid, fluid, pair);
                 viscous_force += viscous;
             },

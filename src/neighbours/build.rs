@@ -6,9 +6,11 @@ use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::clusters::{ClusterList, Kind};
-use super::grid::{Entry, Grid};
-use super::skin::{LEAST_HALF_SKIN, greatest_half_skin, half_skins, lists_are_stale};
+use super::clusters::ClusterList;
+use super::grid::Grid;
+use super::list::clear_with_room_for_images;
+use super::search::Search;
+use super::skin::{LEAST_HALF_SKIN, greatest_half_skin, lists_are_stale, set_half_skins};
 use super::sort::sort_fluid;
 use super::{PairList, PeriodicSides, Rows, add_images};
 use crate::app::StoreggaApp;
@@ -99,7 +101,7 @@ pub struct Neighbours {
     pub(super) is_invalid: bool,
     /// Half-skin (m) of every row, images included.
     pub(super) half_skins: Vec<f32>,
-    /// Greatest distance (m) of a pair that is listed.
+    /// Distance (m) that no listed pair exceeds.
     reach: f64,
     sort_every: u32,
     pub(super) plain_loops: bool,
@@ -111,13 +113,13 @@ pub struct Neighbours {
 }
 
 impl Neighbours {
-    /// Distance (m) up to which pairs are listed: support radius and the widest skin.
+    /// Distance (m) that no listed pair exceeds: support radius and twice the widest half-skin.
     #[must_use]
     pub fn reach(&self) -> f64 {
         self.reach
     }
 
-    /// Forgets the lists, so that the next step builds new ones (after particles were put elsewhere).
+    /// Forgets the lists, so that the next step builds new ones. (Particles that were put elsewhere need none to say so.)
     pub fn invalidate(&mut self) {
         self.is_invalid = true;
     }
@@ -137,7 +139,8 @@ impl Neighbours {
         let (fluid, walls, structures) = (n.rows.fluid, n.rows.walls, n.rows.structures);
         let widest = f64::from(n.half_skins.iter().copied().fold(0.0, f32::max));
         n.reach = radius + 2.0 * widest;
-        add_images(sides, n.reach, &mut n.positions, &mut n.rows.images);
+        let reach = |row: usize| radius + f64::from(n.half_skins[row]) + widest;
+        add_images(sides, reach, &mut n.positions, &mut n.rows.images);
         for image in &n.rows.images {
             n.half_skins.push(n.half_skins[image.source as usize]);
         }
@@ -151,37 +154,14 @@ impl Neighbours {
         n.grid.lay(min - n.reach, max + n.reach, n.cell, n.positions.len());
         let grid = n.grid.sort(&n.positions, &n.half_skins, is_fluid, workspace);
 
-        let (positions, half_skins) = (&n.positions, &n.half_skins);
-        n.fluid.build(fluid, |rows, kind, list| {
-            let (cluster, skins) = (&positions[rows.clone()], &half_skins[rows]);
-            let (min, max) = cluster.iter().fold((cluster[0], cluster[0]), |(min, max), x| (min.min(*x), max.max(*x)));
-            let own = radius + f64::from(skins.iter().copied().fold(0.0, f32::max));
-            let near = |e: &&Entry| {
-                let (x, reach) = (e.position(), own + e.half_skin());
-                let reach_squared = reach * reach;
-                (x.clamp(min, max) - x).length_squared() < reach_squared
-                    && cluster.iter().any(|x_i| x_i.distance_squared(x) < reach_squared)
-            };
-            let farthest = own + widest;
-            grid.around((min - farthest, max + farthest), |entries| {
-                let of_kind = entries.iter().filter(|e| e.is_fluid() == (kind == Kind::Fluid));
-                list.extend(of_kind.filter(near).map(|e| e.row));
-            });
-        });
-        let fluid_near = |row: usize, list: &mut Vec<u32>| {
-            let (x, own) = (positions[row], radius + f64::from(half_skins[row]));
-            let near = |e: &&Entry| e.position().distance_squared(x) < (own + e.half_skin()).powi(2);
-            let farthest = own + widest;
-            grid.around((x - farthest, x + farthest), |entries| {
-                list.extend(entries.iter().filter(|e| e.is_fluid()).filter(near).map(|e| e.row));
-            });
-        };
-        n.walls.build(walls, |k, list| fluid_near(fluid + k, list));
-        n.structures.build(structures, |k, list| fluid_near(fluid + walls + k, list));
+        let search = Search { grid, positions: &n.positions, half_skins: &n.half_skins, radius, widest };
+        n.fluid.build(fluid, |rows, kind, list| search.around_cluster(rows, kind, list));
+        n.walls.build(walls, |k, list| search.fluid_around(fluid + k, list));
+        n.structures.build(structures, |k, list| search.fluid_around(fluid + walls + k, list));
     }
 }
 
-fn count_step(mut neighbours: ResMut<Neighbours>, settings: Res<NeighbourSettings>, resolution: Res<Resolution>) {
+fn take_settings(mut neighbours: ResMut<Neighbours>, settings: Res<NeighbourSettings>, resolution: Res<Resolution>) {
     // Two spacings: four particles in a row of cells sorted along x are then two by two.
     let edge = 2.0 * resolution.spacing;
     neighbours.cell = DVec3::new(edge, edge, if resolution.dimension == 2 { f64::INFINITY } else { edge });
@@ -222,37 +202,39 @@ fn build_lists(
     let tables: [&[Position]; 3] = [columns(&fluid), columns(&walls), columns(&structures)];
     let [fluid, walls, structures] = tables.map(<[Position]>::len);
     (n.rows.fluid, n.rows.walls, n.rows.structures) = (fluid, walls, structures);
-    n.positions.clear();
-    // Images, of which there are now more and now fewer, follow.
-    let images = n.rows.images.len();
-    n.positions.reserve_exact(fluid + walls + structures + images + images / 4);
+    clear_with_room_for_images(&mut n.positions, fluid + walls + structures, n.rows.images.len());
     n.positions.extend(tables.iter().flat_map(|table| table.iter().map(|x| x.0)));
     n.build(&sides, kernel.0.radius(), &mut workspace);
     n.is_invalid = false;
     n.builds += 1;
 }
 
-/// What the lists follow from: number of builds, and of the last one where particles were (m) and their half-skins (m). The order of pairs,
+/// What the lists follow from: number of builds, whether the next step needs new ones, and of the last build where particles were (m) and their half-skins (m). The order of pairs,
 /// and with it the rounding of sums, is that of the last build.
-type Origin = (u64, Vec<DVec3>, Vec<f32>);
+type Origin = (u64, bool, Vec<DVec3>, Vec<f32>);
 
 fn save_lists(world: &mut World, bytes: &mut Vec<u8>) -> Result<(), String> {
     let n = world.resource::<Neighbours>();
     let owned = n.rows.owned();
-    encode(&(n.builds, &n.positions[..owned], &n.half_skins[..owned]), bytes)
+    encode(&(n.builds, n.is_invalid, &n.positions[..owned], &n.half_skins[..owned]), bytes)
 }
 
 fn restore_lists(world: &mut World, bytes: &[u8]) -> Result<(), String> {
     let sides = *world.resource::<PeriodicSides>();
-    let (builds, positions, half_skins): Origin = decode(bytes)?;
+    let (builds, is_invalid, positions, half_skins): Origin = decode(bytes)?;
     let radius = world.resource::<SmoothingKernel>().0.radius();
     world.resource_scope(|world, mut n: Mut<Neighbours>| {
         if positions.len() != n.rows.owned() || half_skins.len() != positions.len() {
-            return Err(format!("{} positions for {} particles", positions.len(), n.rows.owned()));
+            return Err(format!(
+                "{} positions and {} half-skins for {} particles",
+                positions.len(),
+                half_skins.len(),
+                n.rows.owned()
+            ));
         }
         (n.positions, n.half_skins) = (positions, half_skins);
         n.build(&sides, radius, &mut world.resource_mut::<Workspace>());
-        (n.builds, n.is_invalid) = (builds, false);
+        (n.builds, n.is_invalid) = (builds, is_invalid);
         Ok(())
     })
 }
@@ -269,8 +251,87 @@ impl Plugin for NeighboursPlugin {
         SavedState::register_with::<Neighbours>(app.world_mut(), save_lists, restore_lists);
         app.register_scene_section::<NeighbourSettings>();
         let systems = || {
-            (count_step, (wrap_particles, sort_fluid, half_skins, build_lists).chain().run_if(lists_are_stale)).chain()
+            (take_settings, (wrap_particles, sort_fluid, set_half_skins, build_lists).chain().run_if(lists_are_stale))
+                .chain()
         };
         app.set_stage(Stage::Neighbours, systems(), systems());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kernels::{KernelRegistry, QuinticSpline};
+
+    const RADIUS: f64 = 0.1;
+    /// Fluid particles, then ghosts of walls, then of structures.
+    const COUNTS: [usize; 3] = [301, 60, 30];
+
+    /// Numbers from 0 to 1, the same in every run (a linear congruential generator).
+    fn noise() -> impl FnMut() -> f64 {
+        let mut state = 11_u64;
+        move || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        }
+    }
+
+    /// Lists of rows anywhere between periodic sides hardly farther apart than they may be, with half-skins from nothing to the widest.
+    fn scattered(dimension: usize) -> (Neighbours, PeriodicSides) {
+        let mut noise = noise();
+        let sides = PeriodicSides([Some((0.0, 1.41 * RADIUS)), Some((0.0, 3.0 * RADIUS)), None]);
+        let mut n = Neighbours { cell: DVec3::splat(0.4 * RADIUS), ..Neighbours::default() };
+        [n.rows.fluid, n.rows.walls, n.rows.structures] = COUNTS;
+        for _ in 0..n.rows.owned() {
+            let z = if dimension == 3 { 4.0 * noise() } else { 0.0 };
+            n.positions.push(RADIUS * DVec3::new(1.41 * noise(), 3.0 * noise(), z));
+            n.half_skins.push((0.2 * RADIUS * noise().powi(4)) as f32);
+        }
+        n.build(&sides, RADIUS, &mut Workspace::default());
+        (n, sides)
+    }
+
+    #[test]
+    fn every_pair_nearer_than_the_support_and_both_half_skins_is_listed() {
+        for dimension in [2, 3] {
+            let (n, sides) = scattered(dimension);
+            let reaches = |i: usize, j: usize| {
+                let reach = RADIUS + f64::from(n.half_skins[i]) + f64::from(n.half_skins[j]);
+                sides.separation(n.positions[i], n.positions[j]).length() < reach
+            };
+            let [fluid, walls, _] = COUNTS;
+            for i in 0..fluid {
+                let listed: Vec<usize> = n.fluid.of(i).rows().map(|row| n.rows.source(row)).collect();
+                let missing = (0..n.rows.owned()).find(|&j| reaches(i, j) && !listed.contains(&j));
+                assert_eq!(missing, None, "near particle {i}, {dimension}D");
+            }
+            for b in fluid..n.rows.owned() {
+                let list = if b < fluid + walls { n.walls.of(b - fluid) } else { n.structures.of(b - fluid - walls) };
+                let listed: Vec<usize> = list.rows.iter().map(|row| n.rows.source(*row)).collect();
+                let missing = (0..fluid).find(|&j| reaches(b, j) && !listed.contains(&j));
+                assert_eq!(missing, None, "near ghost {b}, {dimension}D");
+            }
+        }
+    }
+
+    #[test]
+    fn a_checkpoint_remembers_that_lists_are_to_be_built() {
+        let mut registry = KernelRegistry::default();
+        registry.register("quintic", QuinticSpline);
+        let kernel = registry.scaled("quintic", RADIUS / 3.0, 2).expect("registered above");
+        for is_invalid in [false, true] {
+            let (mut n, sides) = scattered(2);
+            n.is_invalid = is_invalid;
+            let mut world = World::new();
+            world.insert_resource(n);
+            world.insert_resource(sides);
+            world.insert_resource(kernel.clone());
+            world.init_resource::<Workspace>();
+            let mut bytes = Vec::new();
+            save_lists(&mut world, &mut bytes).expect("it can be written");
+            world.resource_mut::<Neighbours>().is_invalid = !is_invalid;
+            restore_lists(&mut world, &bytes).expect("it was written so");
+            assert_eq!(world.resource::<Neighbours>().is_invalid, is_invalid);
+        }
     }
 }

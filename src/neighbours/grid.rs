@@ -119,7 +119,7 @@ impl Grid {
         for (row, &cell) in cell_of_row.iter().enumerate() {
             if cell != OUTSIDE {
                 let place = &mut self.first[cell as usize];
-                let signed_half_skin = if is_fluid(row) { half_skins[row] } else { -half_skins[row] };
+                let signed_half_skin = half_skins[row].copysign(if is_fluid(row) { 1.0 } else { -1.0 });
                 let position = positions[row].to_array();
                 entries[*place as usize] = Entry { position, row: row as u32, signed_half_skin };
                 *place += 1;

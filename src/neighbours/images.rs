@@ -79,9 +79,14 @@ impl PeriodicSides {
     }
 }
 
-/// Appends to `positions` an image of every row nearer than `reach` (m) to a periodic side, and to `images` where it
+/// Appends to `positions` an image of every row nearer than `reach(row)` (m) to a periodic side, and to `images` where it
 /// comes from. Axis by axis, so that edges and corners get the images of images.
-pub(super) fn add_images(sides: &PeriodicSides, reach: f64, positions: &mut Vec<DVec3>, images: &mut Vec<Image>) {
+pub(super) fn add_images(
+    sides: &PeriodicSides,
+    reach: impl Fn(usize) -> f64,
+    positions: &mut Vec<DVec3>,
+    images: &mut Vec<Image>,
+) {
     clear_with_room(images);
     let owned = positions.len();
     for (axis, sides) in sides.0.iter().enumerate() {
@@ -89,15 +94,12 @@ pub(super) fn add_images(sides: &PeriodicSides, reach: f64, positions: &mut Vec<
         let mut period = DVec3::ZERO;
         period[axis] = to - from;
         for row in 0..positions.len() {
-            let x = positions[row][axis];
+            let source = if row < owned { row } else { images[row - owned].source as usize };
+            let (x, reach) = (positions[row][axis], reach(source));
             for (near, shift) in [(x < from + reach, period), (x >= to - reach, -period)] {
                 if near {
-                    let (source, earlier) = if row < owned {
-                        (row as u32, DVec3::ZERO)
-                    } else {
-                        (images[row - owned].source, images[row - owned].shift)
-                    };
-                    images.push(Image { source, shift: earlier + shift });
+                    let earlier = if row < owned { DVec3::ZERO } else { images[row - owned].shift };
+                    images.push(Image { source: source as u32, shift: earlier + shift });
                     positions.push(positions[row] + shift);
                 }
             }

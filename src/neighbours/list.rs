@@ -128,6 +128,14 @@ pub(crate) fn clear_with_room<T>(column: &mut Vec<T>) {
     }
 }
 
+/// `column.clear()`, with room for `rows` and for images, of which there are now more and now fewer than the `images` of the last time.
+pub(super) fn clear_with_room_for_images<T>(column: &mut Vec<T>, rows: usize, images: usize) {
+    column.clear();
+    if column.capacity() < rows + images + images / 8 {
+        column.reserve_exact(rows + images + images / 2);
+    }
+}
+
 /// A pair as a pair term sees it.
 #[derive(Debug, Clone, Copy)]
 pub struct Pair<const D: usize, R = f64> {

@@ -5,6 +5,7 @@ mod clusters;
 mod grid;
 mod images;
 mod list;
+mod search;
 mod skin;
 mod sort;
 mod sweep;

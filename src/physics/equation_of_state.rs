@@ -103,7 +103,7 @@ impl EquationOfState {
 #[inline(always)]
 fn quadratic_energy(strain: f64) -> f64 {
     /// |s| up to which the terms after s⁹ are below half a unit in the last place.
-    const SMALL: f64 = 0.01;
+    const SMALL: f64 = 0.009;
     if strain.abs() > SMALL {
         return strain.ln_1p() - strain / (1.0 + strain);
     }

@@ -103,27 +103,22 @@ fn add_unit_impact<const D: usize, R: Real>(
 
 /// (Pressure force, viscous force) on particle i from particle j, with mean viscosity `mu_ij`.
 #[inline(always)]
-pub(crate) fn pair_forces<const D: usize, R: Real, P: PressureAverage, V: ViscousForce>(
-    mu_ij: R,
-    i: &Momentum<D, R>,
-    j: &Momentum<D, R>,
-    pair: &Pair<D, R>,
-) -> (Vector<D, R>, Vector<D, R>) {
-    let (mut pressure, mut viscous) = (Vector([mu_ij.like(0.0); D]), Vector([mu_ij.like(0.0); D]));
-    add_pressure::<D, R, P>(&mut pressure, i, j, pair);
+pub(crate) fn pair_forces<const D: usize, P: PressureAverage, V: ViscousForce>(
+    mu_ij: f64,
+    i: &Momentum<D>,
+    j: &Momentum<D>,
+    pair: &Pair<D>,
+) -> (Vector<D>, Vector<D>) {
+    let (mut pressure, mut viscous) = (Vector::ZERO, Vector::ZERO);
+    add_pressure::<D, f64, P>(&mut pressure, i, j, pair);
     V::add_to(&mut viscous, mu_ij, i, j, pair);
     (pressure, viscous)
 }
 
 /// The force of the impact pressure `impact` (Pa) on particle i from particle j.
 #[inline(always)]
-pub(crate) fn impact_force<const D: usize, R: Real>(
-    impact: R,
-    i: &Momentum<D, R>,
-    j: &Momentum<D, R>,
-    pair: &Pair<D, R>,
-) -> Vector<D, R> {
-    let mut force = Vector([impact.like(0.0); D]);
+pub(crate) fn impact_force<const D: usize>(impact: f64, i: &Momentum<D>, j: &Momentum<D>, pair: &Pair<D>) -> Vector<D> {
+    let mut force = Vector::ZERO;
     add_unit_impact(&mut force, i, j, pair);
     force * impact
 }

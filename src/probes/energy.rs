@@ -87,12 +87,18 @@ mod tests {
     #[test]
     fn compression_energy_of_a_tiny_strain_has_all_its_digits() {
         let state = EquationOfState { bulk_modulus: 6e5, background_pressure: 0.0, max_pressure: 0.0, max_speed: 0.0 };
-        // ρ/ρ0 − 1 without rounding; the next term of the series is 3s⁴/4.
+        // ρ/ρ0 − 1 without rounding; the next term of the series is −4s⁵/5.
         let strain = 0.5_f64.powi(20);
         for strain in [strain, -strain] {
             let expected = 600.0 * strain * strain * (0.5 - strain * (2.0 / 3.0 - 0.75 * strain));
             let energy = state.compression_energy(1000.0 * (1.0 + strain), 1000.0);
             assert!((energy / expected - 1.0).abs() < 1e-14, "{energy} {expected}");
+        }
+        // Where the series ends, it meets the logarithm.
+        for strain in [0.00899, 0.00901, -0.00899, -0.00901_f64] {
+            let energy = state.compression_energy(1000.0 * (1.0 + strain), 1000.0);
+            let expected = 600.0 * (strain.ln_1p() - strain / (1.0 + strain));
+            assert!((energy / expected - 1.0).abs() < 1e-13, "{energy} {expected}");
         }
     }
 

@@ -59,7 +59,7 @@ fn lists_stay_complete_while_particles_move() {
     }
 }
 
-/// Skins follow the speed of each particle: between those of fast and slow ones no pair may be missing, of ghosts neither.
+/// Skins follow the speed of each particle: between those of fast and slow ones no pair may be missing.
 #[test]
 fn lists_stay_complete_around_particles_much_faster_than_others() {
     for dimension in [2, 3] {
@@ -77,6 +77,19 @@ fn lists_stay_complete_around_particles_much_faster_than_others() {
             compare(world);
         }
         assert!(world.resource::<Neighbours>().builds > builds + 1, "skins were never used up: nothing was tested");
+    }
+}
+
+/// A skin of nothing, whatever its sign, tells fluid from ghosts.
+#[test]
+fn lists_without_a_skin_are_complete_at_walls() {
+    for skin in ["0.0", "-0.0"] {
+        let scene = tank(2).replace("dimension: 2,", &format!("dimension: 2, neighbours: (skin: {skin}),"));
+        let mut app = app(&scene, &[]);
+        let world = app.world_mut();
+        advance(world, 3);
+        compare(world);
+        compare_ghosts(world);
     }
 }
 
