@@ -29,6 +29,7 @@ mod summary;
 mod table;
 mod test;
 mod validate;
+mod validation_page;
 mod view_args;
 mod warnings;
 

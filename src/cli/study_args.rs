@@ -71,10 +71,11 @@ Examples:
   storegga validate --coarse
   storegga validate --page docs/validation.md
   storegga validate --no-run --page docs/validation.md
-  storegga validate studies/zhou_teng.ron --out /data/validation
+  storegga validate studies/zhou_teng.ron --page docs/validation.md
 
 Runs studies, one after the other, and writes one page of all: what each shows, its numbers beside what was asked for, its figures. What
-is missed is shown as missed. Studies that were stopped go on when it is started again, and what is done is not run again.
+is missed is shown as missed. Studies that were stopped go on when it is started again, and what is done is not run again. What the page has
+of other studies stays: it is kept in section.json beside their figures.
 
 Exit codes: 0 everything was done and met, 1 something was missed or a run failed, 2 a mistake in a study or a scene or output that cannot
 be written, 3 a run diverged, 130 interrupted. Coarse values are not judged.")]
@@ -85,7 +86,7 @@ pub(super) struct ValidateArgs {
     /// Folder for the logs, tables and figures of all of them.
     #[arg(long, value_name = "DIR", default_value = "runs/validation")]
     pub out: PathBuf,
-    /// The page, in Markdown; its figures go into a folder of its name beside it. By default validation.md in the folder of the logs.
+    /// The page, in Markdown; its figures go into a folder of its name beside it, a folder for each study. By default validation.md in the folder of the logs.
     #[arg(long, value_name = "FILE")]
     pub page: Option<PathBuf>,
     #[command(flatten)]

@@ -1,19 +1,17 @@
 //! `storegga validate`.
 
-use std::fmt::Write;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use bevy_app::PluginGroup;
 
 use super::exit::{self, complain, say};
-use super::export::unwritable;
 use super::study::{Done, done};
 use super::study_args::ValidateArgs;
+use super::validation_page::{figure_folder, refuse_unreadable, write_page};
 use crate::error::UserError;
-use crate::replace::replace;
-use crate::study::{Row, Study, Table, escaped};
+use crate::study::{Study, Table};
 
 /// Runs studies and writes one page of what came out of all of them.
 pub(super) fn validate<P: PluginGroup>(args: &ValidateArgs, plugins: fn() -> P) -> Result<ExitCode, UserError> {
@@ -25,14 +23,15 @@ pub(super) fn validate<P: PluginGroup>(args: &ValidateArgs, plugins: fn() -> P) 
             .help("its name ends in .md, and the folder of that name beside it is for its figures"));
     }
     let files = studies(&args.studies, args.how.coarse)?;
-    let (mut sections, mut code) = (Vec::new(), 0);
+    refuse_unreadable(&page)?;
+    let (mut all, mut code) = (Vec::new(), 0);
     for (name, file) in files {
         if !args.how.quiet {
             complain(&format!("{}\n", file.display()));
         }
         let Some(done) = done(&file, args.out.join(&name), &args.how, plugins, &stop)? else { break };
         code = worse(code, done.code);
-        sections.push((name, done));
+        all.push((name, done));
         if stop.is_set() {
             break;
         }
@@ -41,13 +40,12 @@ pub(super) fn validate<P: PluginGroup>(args: &ValidateArgs, plugins: fn() -> P) 
         complain("The page is written when everything is done, or with --no-run.\n");
         return Ok(ExitCode::from(exit::INTERRUPTED));
     }
-    for (name, done) in &sections {
-        copy_figures(&args.out.join(name), &figure_folder(&page).join(name), &done.figures)?;
+    let kept = write_page(&page, &args.out, &all)?;
+    if !kept.is_empty() && !args.how.quiet {
+        complain(&format!("The page keeps what it had of {}.\n", kept.join(", ")));
     }
-    let text = written(&sections, &page);
-    replace(&page, text.as_bytes()).map_err(|error| unwritable(&page, &error))?;
     say(&format!("{}\n", page.display()));
-    let is_missed = sections.iter().any(|(_, done)| is_missed(done));
+    let is_missed = all.iter().any(|(_, done)| is_missed(done));
     Ok(ExitCode::from(if code == 0 && is_missed { exit::FAILED } else { code }))
 }
 
@@ -97,68 +95,7 @@ fn worse(one: u8, other: u8) -> u8 {
     if place(one) >= place(other) { one } else { other }
 }
 
-/// The folder of the figures of a page: `validation` for `validation.md`.
-fn figure_folder(page: &Path) -> PathBuf {
-    page.with_extension("")
-}
-
-/// Puts the figures of a study beside the page, in the place of what was there.
-fn copy_figures(from: &Path, to: &Path, figures: &[String]) -> Result<(), UserError> {
-    let fail = |error: std::io::Error| unwritable(to, &error);
-    fs::create_dir_all(to).map_err(fail)?;
-    for entry in fs::read_dir(to).map_err(fail)?.flatten() {
-        if entry.path().extension().is_some_and(|extension| extension == "png") {
-            fs::remove_file(entry.path()).map_err(fail)?;
-        }
-    }
-    for figure in figures {
-        fs::copy(from.join(figure), to.join(figure)).map_err(fail)?;
-    }
-    Ok(())
-}
-
 /// Whether a number that was asked for is missed.
 fn is_missed(done: &Done) -> bool {
     Table { plan: &done.plan, rows: &done.rows }.asked().iter().any(|asked| asked.is_missed())
-}
-
-/// The title of a study, or the name of its file.
-fn title<'a>(name: &'a str, done: &'a Done) -> &'a str {
-    if done.plan.study.title.is_empty() { name } else { &done.plan.study.title }
-}
-
-/// The page.
-fn written(sections: &[(String, Done)], page: &Path) -> String {
-    let mut text = format!(
-        "# Validation\n\nWritten by `storegga validate` of storegga {}: every number below is what its runs gave. Each section is a study \
-         of the folder `studies`, and can be run alone (`storegga study FILE`).\n\n\
-         | case | asked of the last run that is done | at least | at most | seen | |\n|---|---|---|---|---|---|\n",
-        env!("CARGO_PKG_VERSION")
-    );
-    for (name, done) in sections {
-        let table = Table { plan: &done.plan, rows: &done.rows };
-        for asked in table.asked() {
-            let _ = writeln!(text, "| {} | {} |", escaped(title(name, done)), asked.cells().join(" | "));
-        }
-    }
-    text += "\n| study | runs | done | diverged or failed | not done |\n|---|---|---|---|---|\n";
-    for (name, done) in sections {
-        let count = |is: fn(&Row) -> bool| done.rows.iter().filter(|row| is(row)).count();
-        let _ = writeln!(
-            text,
-            "| {} | {} | {} | {} | {} |",
-            escaped(title(name, done)),
-            done.rows.len(),
-            count(|row| matches!(row, Row::Done(..))),
-            count(|row| matches!(row, Row::Diverged(_) | Row::Failed(_))),
-            count(|row| matches!(row, Row::Waiting | Row::Interrupted)),
-        );
-    }
-    let folder = figure_folder(page);
-    let folder = folder.file_name().unwrap_or_default().to_string_lossy();
-    for (name, done) in sections {
-        let table = Table { plan: &done.plan, rows: &done.rows };
-        let _ = write!(text, "\n{}", table.markdown("##", &format!("{folder}/{name}/"), &done.figures));
-    }
-    text
 }

@@ -125,6 +125,32 @@ fn the_page_shows_what_is_met_and_what_is_missed() {
     assert!(!page.contains("missed"));
 }
 
+/// A study that is run alone changes its own part of the page and nothing else, whatever has become of the logs of the others.
+#[test]
+fn the_page_keeps_the_parts_of_other_studies() {
+    let folder = Folder::with_study("kept", GRID);
+    folder.write("other.ron", GRID.replace("A family of tanks", "Another | family"));
+    folder.run(&["validate", "study.ron", "other.ron", "--threads", "1", "--page", "page.md"]).ended_with(0);
+    let page = || fs::read_to_string(folder.path("page.md")).unwrap();
+    let whole = page();
+    fs::remove_dir_all(folder.path("runs/validation/other")).unwrap();
+    fs::remove_file(folder.path("other.ron")).unwrap();
+    folder.write("study.ron", GRID.replace("A family of tanks", "A family of vessels"));
+    let again = || folder.run(&["validate", "study.ron", "--no-run", "--page", "page.md"]);
+    let ran = again();
+    ran.ended_with(0);
+    assert_parts(&ran.err(), &["The page keeps what it had of other."]);
+    assert_eq!(page(), whole.replace("A family of tanks", "A family of vessels"));
+    let figures = fs::read_dir(folder.path("page/other")).unwrap().flatten();
+    assert_eq!(figures.filter(|entry| entry.path().extension().is_some_and(|e| e == "png")).count(), 3);
+
+    folder.write("page/other/section.json", "{}");
+    again().is_refused_with(&["page/other/section.json", "missing field", "delete the folder"]);
+    fs::remove_dir_all(folder.path("page/other")).unwrap();
+    again().ended_with(0);
+    assert!(!page().contains("Another"));
+}
+
 #[test]
 fn mistakes_are_named_in_their_place() {
     for (name, measures, figures, part) in [

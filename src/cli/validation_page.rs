@@ -1,0 +1,136 @@
+//! The page of `storegga validate`. Each study leaves its part of the page in a file beside its figures, so that studies can be run one by
+//! one, on several machines, and the page has all of them.
+
+use std::fmt::Write;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::export::unwritable;
+use super::study::Done;
+use crate::error::UserError;
+use crate::replace::replace;
+use crate::study::{Row, Table, escaped};
+
+/// Name of the file with the part of a study.
+const SECTION: &str = "section.json";
+
+/// The part of the page that a study has.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Section {
+    title: String,
+    /// What was asked for and what came out, as cells.
+    asked: Vec<Vec<String>>,
+    /// Numbers of runs: all, those that are done, that diverged or failed, that are not done.
+    runs: [usize; 4],
+    /// Its Markdown, by lines.
+    lines: Vec<String>,
+}
+
+/// Writes the parts of the studies that were `done`, copies their figures from their folders in `runs`, and writes the page of all studies
+/// that have a part. Names of the studies whose parts are kept as they were.
+pub(super) fn write_page(page: &Path, runs: &Path, done: &[(String, Done)]) -> Result<Vec<String>, UserError> {
+    let folder = figure_folder(page);
+    for (name, done) in done {
+        copy_figures(&runs.join(name), &folder.join(name), &done.figures)?;
+        let path = folder.join(name).join(SECTION);
+        let section = serde_json::to_string_pretty(&Section::of(name, done, &folder));
+        let written = section.map_err(Into::into).and_then(|text| replace(&path, (text + "\n").as_bytes()));
+        written.map_err(|error| unwritable(&path, &error))?;
+    }
+    let sections = sections(&folder)?;
+    let text = written(sections.iter().map(|(_, section)| section));
+    replace(page, text.as_bytes()).map_err(|error| unwritable(page, &error))?;
+    let kept = sections.into_iter().map(|(name, _)| name).filter(|name| done.iter().all(|(new, _)| new != name));
+    Ok(kept.collect())
+}
+
+/// The folder of the figures of a page: `validation` for `validation.md`.
+pub(super) fn figure_folder(page: &Path) -> PathBuf {
+    page.with_extension("")
+}
+
+/// Puts the figures of a study beside the page, in the place of what was there.
+fn copy_figures(from: &Path, to: &Path, figures: &[String]) -> Result<(), UserError> {
+    let fail = |error: std::io::Error| unwritable(to, &error);
+    fs::create_dir_all(to).map_err(fail)?;
+    for entry in fs::read_dir(to).map_err(fail)?.flatten() {
+        if entry.path().extension().is_some_and(|extension| extension == "png") {
+            fs::remove_file(entry.path()).map_err(fail)?;
+        }
+    }
+    for figure in figures {
+        fs::copy(from.join(figure), to.join(figure)).map_err(fail)?;
+    }
+    Ok(())
+}
+
+/// Refuses a page whose parts cannot be read, before anything is run for it.
+pub(super) fn refuse_unreadable(page: &Path) -> Result<(), UserError> {
+    let folder = figure_folder(page);
+    if folder.is_dir() { sections(&folder).map(drop) } else { Ok(()) }
+}
+
+/// The parts in the folder beside the page, by name.
+fn sections(folder: &Path) -> Result<Vec<(String, Section)>, UserError> {
+    let unreadable = |path: &Path, why: &dyn std::fmt::Display| {
+        UserError::plain(format!("cannot read {}: {why}", path.display()))
+            .help("delete the folder that it is in, and the study has no part in the page until it is run again")
+    };
+    let mut sections = Vec::new();
+    for entry in fs::read_dir(folder).map_err(|error| unreadable(folder, &error))?.flatten() {
+        let path = entry.path().join(SECTION);
+        if path.is_file() {
+            let text = fs::read_to_string(&path).map_err(|error| unreadable(&path, &error))?;
+            let section = serde_json::from_str(&text).map_err(|error| unreadable(&path, &error))?;
+            sections.push((entry.file_name().to_string_lossy().into_owned(), section));
+        }
+    }
+    sections.sort_by(|a: &(String, Section), b| a.0.cmp(&b.0));
+    Ok(sections)
+}
+
+impl Section {
+    /// The part of the study `name`, whose figures are in its folder in `folder`.
+    fn of(name: &str, done: &Done, folder: &Path) -> Self {
+        let table = Table { plan: &done.plan, rows: &done.rows };
+        let title = &done.plan.study.title;
+        let count = |is: fn(&Row) -> bool| done.rows.iter().filter(|row| is(row)).count();
+        let links = format!("{}/{name}/", folder.file_name().unwrap_or_default().to_string_lossy());
+        Self {
+            title: escaped(if title.is_empty() { name } else { title }),
+            asked: table.asked().iter().map(|asked| asked.cells().to_vec()).collect(),
+            runs: [
+                done.rows.len(),
+                count(|row| matches!(row, Row::Done(..))),
+                count(|row| matches!(row, Row::Diverged(_) | Row::Failed(_))),
+                count(|row| matches!(row, Row::Waiting | Row::Interrupted)),
+            ],
+            lines: table.markdown("##", &links, &done.figures).lines().map(str::to_owned).collect(),
+        }
+    }
+}
+
+/// The page.
+fn written<'a>(sections: impl Iterator<Item = &'a Section> + Clone) -> String {
+    let mut text = "# Validation\n\nWritten by `storegga validate`: every number below is what its runs gave. Each section is a study of the folder \
+         `studies`, and can be run alone (`storegga validate FILE --page …`).\n\n\
+         | case | asked of the last run that is done | at least | at most | seen | |\n|---|---|---|---|---|---|\n"
+        .to_owned();
+    for section in sections.clone() {
+        for cells in &section.asked {
+            let _ = writeln!(text, "| {} | {} |", section.title, cells.join(" | "));
+        }
+    }
+    text += "\n| study | runs | done | diverged or failed | not done |\n|---|---|---|---|---|\n";
+    for section in sections.clone() {
+        let runs = section.runs.map(|number| number.to_string());
+        let _ = writeln!(text, "| {} | {} |", section.title, runs.join(" | "));
+    }
+    for section in sections {
+        let _ = write!(text, "\n{}\n", section.lines.join("\n"));
+    }
+    text
+}
