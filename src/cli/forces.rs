@@ -31,24 +31,37 @@ pub(super) fn forces<P: PluginGroup>(args: &ForcesArgs, plugins: fn() -> P) -> R
         components.push((component.name, raw, filtered, cutoff));
     }
     let Some((_, raw, _, cutoff)) = components.first() else { return Ok(ExitCode::SUCCESS) };
-    let steady = args.steady.unwrap_or((0.5 * (raw.start + raw.end()), raw.end()));
+    let window = args.window.map_or((raw.start, raw.end()), |(from, to)| (from.max(raw.start), to.min(raw.end())));
+    if raw.peak(window.0, window.1).is_none() {
+        let message =
+            format!("there is no sample in the window: the record reaches from {} to {} s", raw.start, raw.end());
+        return Err(UserError::plain(message));
+    }
+    let steady = args.steady.unwrap_or((0.5 * (window.0 + window.1), window.1));
     let mut told = format!(
-        "{}: force of the fluid on `{}`\n  record      {} to {} s, {} samples, one every {} s\n  filter      Butterworth, second order \
-         forward and backward (no lag; as SAE J211), cutoff {} Hz\n  mean        from {} to {} s\n",
+        "{}: force of the fluid on `{structure}`{}\n  record      {} to {} s, {} samples, one every {} s\n  filter      Butterworth, second \
+         order forward and backward (no lag; as SAE J211), cutoff {} Hz\n  peaks       and impulse from {} to {} s\n  mean        from {} \
+         to {} s\n",
         args.log.display(),
-        structure,
+        if results.facts.dimension == 2 {
+            format!(", of {} m of its length", short(length(&results, structure)))
+        } else {
+            String::new()
+        },
         short(raw.start),
         short(raw.end()),
         count(raw.values.len() as u64),
         short(raw.interval),
         short(*cutoff),
+        short(window.0),
+        short(window.1),
         short(steady.0),
         short(steady.1),
     );
     if let Some(flow) = &flow {
         told.push_str(&flow.line());
     }
-    told.push_str(&table(&components, steady, flow.as_ref()));
+    told.push_str(&table(&components, window, steady, flow.as_ref()));
     say(&told);
     let out = Out { folder: args.out.clone().unwrap_or_else(|| default_folder(&args.log)), format: args.format };
     out.make()?;
@@ -117,6 +130,12 @@ fn wanted(args: &ForcesArgs, results: &Results) -> Vec<Component> {
     }
 }
 
+/// Length (m) across the plane of a structure of two dimensions, to which its force belongs.
+fn length(results: &Results, structure: &str) -> f64 {
+    let given = results.facts.parameters.get(&format!("structures.{structure}.length"));
+    given.and_then(|text| text.parse().ok()).unwrap_or(1.0)
+}
+
 /// What makes forces dimensionless.
 struct Flow {
     /// ρ (kg/m³).
@@ -141,8 +160,7 @@ impl Flow {
         let (Some(velocity), Some(width)) = (args.velocity, args.width) else { return Ok(None) };
         let parameters = &results.facts.parameters;
         let number = |path: String| parameters.get(&path).and_then(|text| text.parse::<f64>().ok());
-        let length = number(format!("structures.{structure}.length")).unwrap_or(1.0);
-        let area = args.area.unwrap_or(width * length);
+        let area = args.area.unwrap_or(width * length(results, structure));
         let (density, stress) = match &args.phase {
             Some(phase) => {
                 let phases = results.facts.phases.iter().map(String::as_str);
@@ -222,14 +240,14 @@ fn value(parameters: &BTreeMap<String, String>, path: &str) -> Option<String> {
 type Judged = (&'static str, Record, Record, f64);
 
 /// Peaks, means and impulses, with their coefficients.
-fn table(components: &[Judged], steady: (f64, f64), flow: Option<&Flow>) -> String {
+fn table(components: &[Judged], window: (f64, f64), steady: (f64, f64), flow: Option<&Flow>) -> String {
     let coefficient =
         |force: f64| flow.map(|flow| format!("   C = {}", short(force / flow.scale()))).unwrap_or_default();
     let mut text = String::new();
     for (name, raw, filtered, _) in components {
         text.push_str(&format!("\n  {name}\n"));
         for (kind, record) in [("raw", raw), ("filtered", filtered)] {
-            let (time, peak) = record.peak();
+            let Some((time, peak)) = record.peak(window.0, window.1) else { continue };
             let mean = record.mean(steady.0, steady.1);
             text.push_str(&format!(
                 "    peak, {kind:<10}{:>12} N at {} s{}\n",
@@ -239,7 +257,7 @@ fn table(components: &[Judged], steady: (f64, f64), flow: Option<&Flow>) -> Stri
             ));
             if kind == "raw" {
                 text.push_str(&format!("    mean            {:>12} N{}\n", short(mean), coefficient(mean)));
-                let impulse = record.integral(record.start, record.end());
+                let impulse = record.integral(window.0, window.1);
                 text.push_str(&format!("    impulse         {:>12} N s\n", short(impulse)));
             }
         }

@@ -13,7 +13,7 @@ use super::plot::default_folder;
 use super::plot::fields::{Snapshot, figure};
 use super::view_args::{Look, MovieArgs};
 use crate::error::UserError;
-use crate::figures::{FieldFigure, Figure, Paint, pixels};
+use crate::figures::{FieldFigure, Figure, pixels};
 use crate::log::LogError;
 use crate::results::{PARTICLES, Results};
 
@@ -22,6 +22,8 @@ pub(super) fn movie(args: &MovieArgs) -> Result<ExitCode, UserError> {
     let results = open(&args.log)?;
     let usual = if results.facts.phases.len() > 1 { "phase" } else { "speed" };
     let field = args.field.as_deref().unwrap_or(usual);
+    let path = args.out.clone().unwrap_or_else(|| default_file(&args.log, field));
+    refuse_other_ending(&path)?;
     let times = results.frame_times(PARTICLES);
     let count = (0..times.len()).filter(|number| args.frames.take(&times, *number)).count();
     if count == 0 {
@@ -32,13 +34,12 @@ pub(super) fn movie(args: &MovieArgs) -> Result<ExitCode, UserError> {
     let mut shared: Option<FieldFigure> = None;
     each_figure(&results, args, field, args.look, |figure| {
         match &mut shared {
-            Some(shared) => widen(shared, &figure),
+            Some(shared) => shared.widen(&figure),
             None => shared = Some(figure),
         }
         Ok(())
     })?;
     let Some(shared) = shared else { return Ok(ExitCode::SUCCESS) };
-    let path = args.out.clone().unwrap_or_else(|| default_file(&args.log, field));
     let mut film = Film::create(&path, shared.size(), count, args.fps)?;
     each_figure(&results, args, field, args.look, |figure| {
         let figure = FieldFigure { panels: figure.panels, ..shared.clone() };
@@ -52,6 +53,18 @@ pub(super) fn movie(args: &MovieArgs) -> Result<ExitCode, UserError> {
 /// `plots/<log>/<field>_movie.png`.
 fn default_file(log: &Path, field: &str) -> PathBuf {
     default_folder(log).join(format!("{field}_movie.png"))
+}
+
+/// Refuses a file whose name says that it is something else.
+fn refuse_other_ending(path: &Path) -> Result<(), UserError> {
+    if path.extension().is_some_and(|ending| ending == "png" || ending == "apng") {
+        return Ok(());
+    }
+    let png = path.with_extension("png");
+    let message = format!("the animation is an APNG: its name ends in .png or .apng, got {}", path.display());
+    let other = path.with_extension(path.extension().unwrap_or("mp4".as_ref()));
+    let help = format!("write {0}; `ffmpeg -i {0} {1}` makes another format of it", png.display(), other.display());
+    Err(UserError::plain(message).help(help))
 }
 
 /// Calls `visit` with the figure of every wanted frame.
@@ -78,22 +91,6 @@ fn each_figure(
         },
     );
     read.map_err(|error| failure.unwrap_or_else(|| UserError::plain(error.to_string())))
-}
-
-/// Makes a figure show what another shows too.
-fn widen(shared: &mut FieldFigure, other: &FieldFigure) {
-    let both = |a: (f64, f64), b: (f64, f64)| (a.0.min(b.0), a.1.max(b.1));
-    for (bounds, more) in shared.bounds.iter_mut().zip(other.bounds) {
-        *bounds = both(*bounds, more);
-    }
-    if let (Paint::Scale { range, .. }, Paint::Scale { range: more, .. }) = (&mut shared.paint, &other.paint) {
-        *range = both(*range, *more);
-    }
-    if let (Some(arrows), Some(more)) = (shared.arrows, other.arrows)
-        && more.speed > arrows.speed
-    {
-        shared.arrows = Some(more);
-    }
 }
 
 /// An animation that is being written.

@@ -98,7 +98,8 @@ impl Section {
         let table = Table { plan: &done.plan, rows: &done.rows };
         let title = &done.plan.study.title;
         let count = |is: fn(&Row) -> bool| done.rows.iter().filter(|row| is(row)).count();
-        let links = format!("{}/{name}/", folder.file_name().unwrap_or_default().to_string_lossy());
+        // A link of Markdown ends at a space.
+        let links = format!("{}/{name}/", folder.file_name().unwrap_or_default().to_string_lossy()).replace(' ', "%20");
         Self {
             title: escaped(if title.is_empty() { name } else { title }),
             asked: table.asked().iter().map(|asked| asked.cells().to_vec()).collect(),

@@ -107,6 +107,7 @@ pub(super) struct PlotArgs {
 #[command(after_help = "\
 Examples:
   storegga forces runs/cylinder_drag.mcap --velocity 0.2 --width 0.1 --phase water --steady 2,3
+  storegga forces runs/pipe_impact.mcap --velocity 2 --width 0.05 --phase mud --window 0.1,0.4
   storegga forces runs/rotating_flume.mcap --arm 0.8 --velocity 0.38 --width 0.02 --phase sand --cutoff 5
 
 Forces are those of the log: of the fluid on the structure, in 2D per metre where the scene gives it no length.
@@ -143,7 +144,10 @@ pub(super) struct ForcesArgs {
     /// Cutoff (Hz) of the filter; a twentieth of the rate of sampling if left out.
     #[arg(long, value_name = "HZ", value_parser = positive)]
     pub cutoff: Option<f64>,
-    /// Times (s) between which the mean is taken; the second half if left out.
+    /// Times (s) between which peaks and the impulse are taken; the whole record if left out. Past a start from rest that jolts, say.
+    #[arg(long, value_name = "FROM,TO", value_parser = range)]
+    pub window: Option<(f64, f64)>,
+    /// Times (s) between which the mean is taken; the second half of the window if left out.
     #[arg(long, value_name = "FROM,TO", value_parser = range)]
     pub steady: Option<(f64, f64)>,
     /// Folder for the figures; by default plots/<log>. It is made if it does not exist.
@@ -206,7 +210,7 @@ pub(super) struct MovieArgs {
     /// Frames of the log shown in a second.
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub fps: u16,
-    /// File; by default plots/<log>/<field>_movie.png. Its folder is made if it does not exist.
+    /// File, whose name ends in .png or .apng; by default plots/<log>/<field>_movie.png. Its folder is made if it does not exist.
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
 }

@@ -5,8 +5,9 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::style::{AXIS, FONT, LETTERS, TITLE};
-use super::ticks::{tick_label, ticks};
+use super::ticks::{log_ticks, tick_label, ticks};
 use super::{DrawResult, words};
+use crate::number::short;
 
 /// Pixels that labels take: of the vertical axis to the left, of the horizontal one below, of the title above.
 pub(super) const LEFT: i32 = 150;
@@ -25,14 +26,22 @@ pub(super) struct Axes {
     pub x: (f64, f64),
     /// Values at the lower and upper edge.
     pub y: (f64, f64),
+    /// Whether both are logarithmic; what is not greater than 0 has no place then.
+    pub is_log: bool,
 }
 
 impl Axes {
     /// The pixel of a place.
     pub fn pixel(&self, [x, y]: [f64; 2]) -> (i32, i32) {
         let [left, top, width, height] = self.rectangle;
-        let along = (x - self.x.0) / (self.x.1 - self.x.0) * f64::from(width);
-        let up = (y - self.y.0) / (self.y.1 - self.y.0) * f64::from(height);
+        let share = |value: f64, (least, greatest): (f64, f64)| {
+            if self.is_log {
+                (value / least).ln() / (greatest / least).ln()
+            } else {
+                (value - least) / (greatest - least)
+            }
+        };
+        let (along, up) = (share(x, self.x) * f64::from(width), share(y, self.y) * f64::from(height));
         (left + along.round() as i32, top + height - up.round() as i32)
     }
 
@@ -61,6 +70,8 @@ impl Axes {
             area.draw(&PathElement::new(vec![from, to], style)).map_err(words)
         };
         let (black, grey) = (BLACK.stroke_width(AXIS), RGBColor(222, 222, 222).stroke_width(1));
+        let ticks = if self.is_log { log_ticks } else { ticks };
+        let label = |value: f64, all: &[f64]| if self.is_log { short(value) } else { tick_label(value, all) };
         let x_ticks = ticks(self.x.0, self.x.1, (width / 170).max(2) as usize);
         for value in &x_ticks {
             let (x, _) = self.pixel([*value, self.y.0]);
@@ -69,7 +80,7 @@ impl Axes {
             }
             line((x, bottom), (x, bottom - TICK), black)?;
             if x_name.is_some() {
-                write(area, &tick_label(*value, &x_ticks), (x, bottom + 12), (HPos::Center, VPos::Top))?;
+                write(area, &label(*value, &x_ticks), (x, bottom + 12), (HPos::Center, VPos::Top))?;
             }
         }
         let y_ticks = ticks(self.y.0, self.y.1, (height / 75).max(2) as usize);
@@ -79,7 +90,7 @@ impl Axes {
                 line((left, y), (right, y), grey)?;
             }
             line((left, y), (left + TICK, y), black)?;
-            write(area, &tick_label(*value, &y_ticks), (left - 12, y), (HPos::Right, VPos::Center))?;
+            write(area, &label(*value, &y_ticks), (left - 12, y), (HPos::Right, VPos::Center))?;
         }
         area.draw(&Rectangle::new([(left, top), (right, bottom)], black)).map_err(words)?;
         if let Some(name) = x_name {

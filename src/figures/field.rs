@@ -10,7 +10,7 @@ use super::ticks::{tick_label, ticks};
 use super::{ColourMap, DrawResult, Figure, words};
 use crate::number::short;
 
-/// One time.
+/// One time of one run.
 #[derive(Debug, Clone, Default)]
 pub struct Panel {
     /// What stands in its corner, such as `t = 0.4 s`.
@@ -23,6 +23,8 @@ pub struct Panel {
     pub bodies: Vec<[f64; 2]>,
     /// Velocities (m/s), with the places (m) at which they are drawn.
     pub arrows: Vec<([f64; 2], [f64; 2])>,
+    /// Diameter (m) of particles.
+    pub spacing: f64,
 }
 
 /// How values become colours.
@@ -63,8 +65,6 @@ pub struct FieldFigure {
     pub axes: [String; 2],
     /// Least and greatest coordinates (m) that are shown.
     pub bounds: [(f64, f64); 2],
-    /// Diameter (m) of particles.
-    pub spacing: f64,
     /// Arrows, if there are any.
     pub arrows: Option<Arrows>,
 }
@@ -92,6 +92,22 @@ impl FieldFigure {
         ((scale * width).max(60.0) as i32, (scale * height).max(60.0) as i32)
     }
 
+    /// Makes it show what another shows too: with the same axes, colours and arrows.
+    pub fn widen(&mut self, other: &Self) {
+        let both = |a: (f64, f64), b: (f64, f64)| (a.0.min(b.0), a.1.max(b.1));
+        for (bounds, more) in self.bounds.iter_mut().zip(other.bounds) {
+            *bounds = both(*bounds, more);
+        }
+        if let (Paint::Scale { range, .. }, Paint::Scale { range: more, .. }) = (&mut self.paint, &other.paint) {
+            *range = both(*range, *more);
+        }
+        if let (Some(arrows), Some(more)) = (self.arrows, other.arrows)
+            && more.speed > arrows.speed
+        {
+            self.arrows = Some(more);
+        }
+    }
+
     fn colour(&self, value: f64) -> RGBColor {
         match &self.paint {
             Paint::Scale { range: (least, greatest), colours, .. } => colours.at((value - least) / (greatest - least)),
@@ -100,7 +116,7 @@ impl FieldFigure {
     }
 
     fn draw_panel<DB: DrawingBackend>(&self, panel: &Panel, axes: &Axes, area: &DrawingArea<DB, Shift>) -> DrawResult {
-        let spacing = axes.pixels(self.spacing);
+        let spacing = axes.pixels(panel.spacing);
         let size = ((SIZE * spacing).ceil() as i32).max(2);
         let bodies = panel.bodies.iter().map(|place| (place, BODY));
         let fluid = panel.places.iter().zip(&panel.values).map(|(place, value)| (place, self.colour(*value)));
@@ -132,15 +148,16 @@ impl FieldFigure {
 
     /// Where the labels of panels hide the least: near the corner that has the fewest particles.
     fn empty_corner(&self, axes: &Axes) -> (i32, i32) {
-        const LABEL: (i32, i32) = (190, 46);
+        let letters = self.panels.iter().map(|panel| panel.label.chars().count()).max().unwrap_or(0);
+        let label = (LETTER * letters as i32 + 16, 46);
         let [left, top, width, height] = axes.rectangle;
-        let (right, bottom) = (left + width - LABEL.0, top + height - LABEL.1);
+        let (right, bottom) = (left + width - label.0, top + height - label.1);
         let corners =
             [(left + 12, top + 12), (right - 12, top + 12), (left + 12, bottom - 12), (right - 12, bottom - 12)];
         let hidden = |corner: &(i32, i32)| {
             let places = self.panels.iter().flat_map(|panel| panel.places.iter().chain(&panel.bodies));
             let is_hidden = |(x, y): (i32, i32)| {
-                (corner.0..corner.0 + LABEL.0).contains(&x) && (corner.1..corner.1 + LABEL.1).contains(&y)
+                (corner.0..corner.0 + label.0).contains(&x) && (corner.1..corner.1 + label.1).contains(&y)
             };
             places.filter(|place| is_hidden(axes.pixel(**place))).count()
         };
@@ -185,6 +202,7 @@ impl Figure for FieldFigure {
             rectangle: [LEFT, TOP + k as i32 * (height + GAP), width, height],
             x: self.bounds[0],
             y: self.bounds[1],
+            is_log: false,
         };
         let last = self.panels.len().saturating_sub(1);
         for (k, panel) in self.panels.iter().enumerate() {

@@ -47,6 +47,8 @@ pub struct LineFigure {
     pub notes: Vec<String>,
     /// Least and greatest value that the vertical axis shows; `None` for those of the curves.
     pub range: Option<(f64, f64)>,
+    /// Whether both axes are logarithmic; what is not greater than 0 is left out then.
+    pub is_log: bool,
 }
 
 /// Height (pixels) of the axes.
@@ -59,16 +61,21 @@ const LINE: i32 = 38;
 const MARGIN: f64 = 0.06;
 /// Radius (pixels) of dots.
 const DOT: i32 = 8;
-/// Length (pixels) of dashes, and between them.
+/// Length (pixels) of dashes, and between them, and those of dotted lines.
 const DASH: (i32, i32) = (18, 12);
+const DOTTED: (i32, i32) = (4, 10);
+/// Pixels of a line or ring beside the name of a curve, and between two columns of names.
+const SAMPLE: i32 = 62;
+const COLUMN: i32 = 40;
 
 impl LineFigure {
     fn bounds(&self) -> [(f64, f64); 2] {
         let points = || self.curves.iter().flat_map(|curve| &curve.points);
         let ends = |axis: usize| {
-            let values = points().map(|point| point[axis]).filter(|value| value.is_finite());
-            let (least, greatest) =
-                values.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, greatest), v| (v.min(least), v.max(greatest)));
+            let values = points().map(|point| if self.is_log { point[axis].log10() } else { point[axis] });
+            let (least, greatest) = values
+                .filter(|value| value.is_finite())
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, greatest), v| (v.min(least), v.max(greatest)));
             match greatest - least {
                 span if span > 0.0 => (least, greatest),
                 // One value only, or none.
@@ -76,9 +83,15 @@ impl LineFigure {
                 _ => (0.0, 1.0),
             }
         };
-        let (least, greatest) = ends(1);
-        let margin = MARGIN * (greatest - least);
-        [ends(0), self.range.unwrap_or((least - margin, greatest + margin))]
+        let with_margin = |(least, greatest): (f64, f64), share: f64| {
+            let margin = share * (greatest - least);
+            (least - margin, greatest + margin)
+        };
+        // Dots at the ends would stand over the frame.
+        let has_dots = self.curves.iter().any(|curve| curve.marks == Marks::Dots);
+        let x = with_margin(ends(0), if has_dots { MARGIN / 2.0 } else { 0.0 });
+        let bounds = [x, self.range.unwrap_or_else(|| with_margin(ends(1), MARGIN))];
+        if self.is_log { bounds.map(|(least, greatest)| (10_f64.powf(least), 10_f64.powf(greatest))) } else { bounds }
     }
 
     fn draw_curve<DB: DrawingBackend>(&self, k: usize, axes: &Axes, area: &DrawingArea<DB, Shift>) -> DrawResult {
@@ -91,83 +104,106 @@ impl LineFigure {
         }
         for part in curve.points.split(|point| !axes.holds(*point)).filter(|part| !part.is_empty()) {
             let pixels = part.iter().map(|point| axes.pixel(*point));
-            draw_line(area, pixels, is_dashed(k, curve), style)?;
+            draw_line(area, pixels, dashes(k, curve), style)?;
         }
         if curve.marks == Marks::Dots {
             for point in curve.points.iter().filter(|point| axes.holds(**point)) {
-                area.draw(&Circle::new(axes.pixel(*point), DOT, colour(k).filled())).map_err(words)?;
+                draw_dot(area, axes.pixel(*point), k)?;
             }
         }
         Ok(())
     }
 
-    fn draw_names<DB: DrawingBackend>(&self, axes: &Axes, area: &DrawingArea<DB, Shift>) -> DrawResult {
-        let [left, top, width, _] = axes.rectangle;
-        let x = left + width + RIGHT;
+    fn draw_names<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> DrawResult {
+        let (column, rows) = self.names();
+        let top = TOP + HEIGHT + BOTTOM + LINE / 2;
         for (k, curve) in self.curves.iter().enumerate() {
-            let y = top + 22 + LINE * k as i32;
+            let (x, y) = (LEFT + column * (k as i32 / rows), top + LINE * (k as i32 % rows));
             if curve.marks == Marks::Rings {
                 area.draw(&Circle::new((x + 24, y), 7, BLACK.stroke_width(2))).map_err(words)?;
             } else {
-                draw_line(area, [(x, y), (x + 48, y)].into_iter(), is_dashed(k, curve), colour(k).stroke_width(CURVE))?;
+                let style = colour(k).stroke_width(CURVE);
+                draw_line(area, [(x, y), (x + 48, y)].into_iter(), dashes(k, curve), style)?;
             }
-            write(area, &curve.name, (x + 62, y), (HPos::Left, VPos::Center))?;
+            if curve.marks == Marks::Dots {
+                draw_dot(area, (x + 24, y), k)?;
+            }
+            write(area, &curve.name, (x + SAMPLE, y), (HPos::Left, VPos::Center))?;
         }
         for (k, note) in self.notes.iter().enumerate() {
-            let y = top + 22 + LINE * (self.curves.len() + k) as i32 + LINE / 2;
-            write(area, note, (x, y), (HPos::Left, VPos::Center))?;
+            let y = top + LINE * (rows + k as i32);
+            write(area, note, (LEFT, y), (HPos::Left, VPos::Center))?;
         }
         Ok(())
     }
 
-    /// Pixels that the longest name takes; nothing is named if there is one curve without a name.
-    fn names(&self) -> i32 {
-        let curves = self.curves.iter().map(|curve| curve.name.chars().count() as i32 * LETTER + 62);
-        let notes = self.notes.iter().map(|note| note.chars().count() as i32 * LETTER);
-        let is_named = self.curves.iter().any(|curve| !curve.name.is_empty()) || !self.notes.is_empty();
-        if is_named { curves.chain(notes).max().unwrap_or(0) + RIGHT } else { 0 }
+    /// Width (pixels) of a column of names below the axes, and how many lines there are; none if there is one curve without a name.
+    fn names(&self) -> (i32, i32) {
+        if self.curves.iter().all(|curve| curve.name.is_empty()) {
+            return (0, 0);
+        }
+        let letters = self.curves.iter().map(|curve| curve.name.chars().count()).max().unwrap_or(0);
+        let column = letters as i32 * LETTER + SAMPLE + COLUMN;
+        let (columns, count) = (((WIDTH as i32 - LEFT) / column).max(1), self.curves.len() as i32);
+        (column, (count + columns - 1) / columns)
     }
 }
 
 impl Figure for LineFigure {
     fn size(&self) -> (u32, u32) {
-        // Names of many curves need more height than the axes.
-        let lines = (self.curves.len() + self.notes.len() + 2) as i32 * LINE;
-        let height = if self.names() > 0 { (TOP + lines).max(TOP + HEIGHT + BOTTOM) } else { TOP + HEIGHT + BOTTOM };
-        (WIDTH + self.names().max(0) as u32, height as u32)
+        let ((column, rows), notes) = (self.names(), self.notes.len() as i32);
+        let longest = self.notes.iter().map(|note| note.chars().count() as i32 * LETTER).max().unwrap_or(0);
+        let width = (WIDTH as i32).max(LEFT + column.max(longest));
+        (width as u32, (TOP + HEIGHT + BOTTOM + LINE * (rows + notes)) as u32)
     }
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> DrawResult {
         let [x, y] = self.bounds();
-        let axes = Axes { rectangle: [LEFT, TOP, WIDTH as i32 - LEFT - RIGHT, HEIGHT], x, y };
+        let is_log = self.is_log;
+        let axes = Axes { rectangle: [LEFT, TOP, WIDTH as i32 - LEFT - RIGHT, HEIGHT], x, y, is_log };
         write_title(area, &self.title, LEFT + axes.rectangle[2] / 2)?;
         axes.draw(area, Some(&self.axes[0]), &self.axes[1], true)?;
         for k in 0..self.curves.len() {
             self.draw_curve(k, &axes, area)?;
         }
-        if self.names() > 0 { self.draw_names(&axes, area) } else { Ok(()) }
+        if self.names().1 > 0 || !self.notes.is_empty() { self.draw_names(area) } else { Ok(()) }
     }
 }
 
-/// Whether the line of curve number `k` is dashed: it is where colours come again, too.
-fn is_dashed(k: usize, curve: &Curve) -> bool {
-    curve.marks == Marks::Dashes || k >= COLOURS.len()
+/// The dashes of the line of curve number `k`, and what is between them: colours that come again are told apart by them.
+fn dashes(k: usize, curve: &Curve) -> Option<(i32, i32)> {
+    match k / COLOURS.len() {
+        0 if curve.marks != Marks::Dashes => None,
+        0 | 1 => Some(DASH),
+        _ => Some(DOTTED),
+    }
 }
 
 /// Joins pixels by a line, dashed if it shall be.
 fn draw_line<DB: DrawingBackend>(
     area: &DrawingArea<DB, Shift>,
     pixels: impl Iterator<Item = (i32, i32)> + Clone,
-    is_dashed: bool,
+    dashes: Option<(i32, i32)>,
     style: ShapeStyle,
 ) -> DrawResult {
-    if is_dashed {
-        area.draw(&DashedPathElement::new(pixels, DASH.0, DASH.1, style)).map_err(words)
+    if let Some((dash, gap)) = dashes {
+        area.draw(&DashedPathElement::new(pixels, dash, gap, style)).map_err(words)
     } else {
         // Piece by piece: where a thick line turns back, its joint would be a spike far beyond the axes.
         let pixels: Vec<_> = pixels.collect();
         pixels.windows(2).try_for_each(|piece| area.draw(&PathElement::new(piece.to_vec(), style)).map_err(words))
     }
+}
+
+/// The dot of curve number `k`: round, square or with three corners as colours come again.
+fn draw_dot<DB: DrawingBackend>(area: &DrawingArea<DB, Shift>, (x, y): (i32, i32), k: usize) -> DrawResult {
+    let style = colour(k).filled();
+    let drawn = match k / COLOURS.len() {
+        0 => area.draw(&Circle::new((x, y), DOT, style)),
+        1 => area.draw(&Rectangle::new([(x - DOT, y - DOT), (x + DOT, y + DOT)], style)),
+        _ => area.draw(&TriangleMarker::new((x, y), DOT + 3, style)),
+    };
+    drawn.map_err(words)
 }
 
 #[cfg(test)]

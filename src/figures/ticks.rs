@@ -15,6 +15,21 @@ pub(super) fn ticks(least: f64, greatest: f64, count: usize) -> Vec<f64> {
     (first..=last).map(|k| k as f64 * step).collect()
 }
 
+/// Round numbers along a logarithmic axis, about `count` of them: powers of ten, or 1, 2 and 5 times these; within a decade as on any
+/// axis.
+pub(super) fn log_ticks(least: f64, greatest: f64, count: usize) -> Vec<f64> {
+    if greatest < 10.0 * least {
+        return ticks(least, greatest, count);
+    }
+    let powers = || (least.log10().floor() as i32..=greatest.log10().ceil() as i32).map(|power| 10_f64.powi(power));
+    let with = |times: &[f64]| -> Vec<f64> {
+        let all = powers().flat_map(|power| times.iter().map(move |times| times * power));
+        all.filter(|value| (least * (1.0 - 1e-9)..=greatest * (1.0 + 1e-9)).contains(value)).collect()
+    };
+    let sparse = with(&[1.0]);
+    if sparse.len() > count / 2 { sparse } else { with(&[1.0, 2.0, 5.0]) }
+}
+
 /// A tick's number, with as many digits as tell it from the others.
 pub(super) fn tick_label(value: f64, all: &[f64]) -> String {
     let step = all.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(f64::INFINITY, f64::min);
@@ -46,6 +61,13 @@ mod tests {
         assert_eq!(ticks(0.0, 1.0, 5), [0.0, 0.2, 0.4, 0.6000000000000001, 0.8, 1.0]);
         assert_eq!(ticks(-3.0, 17.0, 4), [0.0, 5.0, 10.0, 15.0]);
         assert_eq!(ticks(2.0, 2.0, 4), [2.0]);
+    }
+
+    #[test]
+    fn logarithmic_ticks_are_powers_and_what_lies_between_if_there_are_few() {
+        assert_eq!(log_ticks(0.001, 0.02, 6), [0.001, 0.002, 0.005, 0.01, 0.02]);
+        assert_eq!(log_ticks(1e-3, 1e4, 6).len(), 8);
+        assert_eq!(log_ticks(2.0, 8.0, 3), [2.0, 4.0, 6.0, 8.0]);
     }
 
     #[test]

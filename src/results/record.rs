@@ -76,12 +76,11 @@ impl Record {
         self.start + k as f64 * self.interval
     }
 
-    /// Time (s) and value of the sample that is farthest from 0.
+    /// Time (s) and value of the sample from `from` to `to` (s) that is farthest from 0; none if there is no sample.
     #[must_use]
-    pub fn peak(&self) -> (f64, f64) {
-        let farthest = |(_, a): &(usize, &f64), (_, b): &(usize, &f64)| a.abs().total_cmp(&b.abs());
-        let (k, value) = self.values.iter().enumerate().max_by(farthest).unwrap_or((0, &0.0));
-        (self.time(k), *value)
+    pub fn peak(&self, from: f64, to: f64) -> Option<(f64, f64)> {
+        let samples = self.values.iter().enumerate().map(|(k, value)| (self.time(k), *value));
+        samples.filter(|(time, _)| (from..=to).contains(time)).max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()))
     }
 
     /// `∫ y dt` from `from` to `to` (s), as far as the record reaches: the impulse of a force.
@@ -171,7 +170,10 @@ mod tests {
         let exact = (27.0 - 1.5005_f64.powi(3)) / 3.0;
         assert!((record.integral(1.5005, 3.0) - exact).abs() < 1e-6);
         assert!((record.mean(0.0, 9.0) - (125.0 - 1.0) / 12.0).abs() < 1e-6);
-        assert_eq!(record.peak(), (5.0, 25.0));
+        assert_eq!(record.peak(0.0, 9.0), Some((5.0, 25.0)));
+        let (time, value) = record.peak(1.5, 2.0005).expect("500 samples");
+        assert!((time - 2.0).abs() < 1e-9 && (value - 4.0).abs() < 1e-6, "{time} {value}");
+        assert_eq!(record.peak(6.0, 7.0), None);
     }
 
     #[test]

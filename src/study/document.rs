@@ -11,6 +11,7 @@
 //! ```
 
 use std::collections::BTreeMap;
+use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -75,9 +76,25 @@ pub struct Measure {
     /// Cutoff (Hz) of the filter through which the number goes first, as in `storegga forces`; `None` for the number as it was logged.
     #[serde(default)]
     pub cutoff: Option<f64>,
+    /// What it is multiplied by first: a moment by 1/arm becomes a force.
+    #[serde(default)]
+    pub scale: Option<Scale>,
     /// Least and greatest value that is asked for, of the last run of the study that is done.
     #[serde(default)]
     pub asked: Option<(f64, f64)>,
+    /// The same of the last of its coarse runs; `None` if they are not judged.
+    #[serde(default)]
+    pub asked_coarse: Option<(f64, f64)>,
+}
+
+/// A number in the place of another, that times a factor.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scale {
+    /// The factor.
+    pub by: f64,
+    /// Unit of the product.
+    pub unit: String,
 }
 
 /// A figure of a study.
@@ -94,6 +111,9 @@ pub enum FigureSpec {
         /// in a list.
         #[serde(default)]
         by: Option<Vec<String>>,
+        /// Whether both axes are logarithmic: that of a convergence is a line there.
+        #[serde(default)]
+        logarithmic: bool,
         /// Curves beside them, dashed.
         #[serde(default)]
         beside: Vec<Beside>,
@@ -108,6 +128,9 @@ pub enum FigureSpec {
         /// Cutoff (Hz) of the filter, as in a measure.
         #[serde(default)]
         cutoff: Option<f64>,
+        /// What it is multiplied by, as in a measure.
+        #[serde(default)]
+        scale: Option<Scale>,
         /// Measurements beside them.
         #[serde(default)]
         beside: Vec<Beside>,
@@ -119,7 +142,7 @@ pub enum FigureSpec {
         /// Time (s); the nearest frame of each run is drawn.
         at: f64,
     },
-    /// The particles of the last run that is done, coloured by a quantity.
+    /// The particles of the last runs that are done, coloured by a quantity.
     Field {
         /// The quantity, such as `pressure`, `speed`, `phase`.
         of: String,
@@ -128,6 +151,9 @@ pub enum FigureSpec {
         /// Whether arrows show the velocity.
         #[serde(default)]
         arrows: bool,
+        /// How many runs are drawn, with the same colours.
+        #[serde(default = "one")]
+        runs: NonZero<usize>,
     },
     /// A profile of the last run that is done.
     Profile {
@@ -254,8 +280,10 @@ impl Study {
         if measure.against.is_some() && measure.take != Take::Last {
             return Err(Invalid::new("take", "all values are compared with the file: leave `take` out"));
         }
-        if measure.asked.is_some_and(|(least, greatest)| least > greatest) {
-            return Err(Invalid::new("asked", "the least value comes first"));
+        for (field, asked) in [("asked", measure.asked), ("asked_coarse", measure.asked_coarse)] {
+            if asked.is_some_and(|(least, greatest)| least > greatest) {
+                return Err(Invalid::new(field, "the least value comes first"));
+            }
         }
         measure.take.check().map_err(|invalid| invalid.under("take"))
     }
@@ -337,6 +365,11 @@ pub(super) fn number(text: &str) -> Option<f64> {
 /// A value of a scene as it is shown.
 pub(super) fn shown(text: &str) -> String {
     number(text).map_or_else(|| text.split_whitespace().collect::<Vec<_>>().join(" "), plain)
+}
+
+/// What a field draws unless the study says otherwise: the last run.
+const fn one() -> NonZero<usize> {
+    NonZero::<usize>::MIN
 }
 
 fn optional<T: serde::de::DeserializeOwned + Default>(document: &Document, field: &str) -> Result<T, UserError> {

@@ -21,8 +21,9 @@ pub fn write_figures(plan: &Plan, rows: &[Row], folder: &Path) -> Result<Vec<(us
     let mut names = Vec::new();
     for (k, spec) in plan.study.figures.iter().enumerate() {
         let (name, mut figure) = match (spec, &plan.drawn[k]) {
-            (FigureSpec::Measure { of, over, by, .. }, _) => {
-                (format!("{of} over {}", label(plan, over)), measure(plan, rows, of, over, by.as_deref()))
+            (FigureSpec::Measure { of, over, by, logarithmic, .. }, _) => {
+                let figure = LineFigure { is_log: *logarithmic, ..measure(plan, rows, of, over, by.as_deref()) };
+                (format!("{of} over {}", label(plan, over)), figure)
             }
             (FigureSpec::Series { of, name, .. }, Drawn::Series(source)) => {
                 (of.clone(), curves(plan, rows, k, axes_of(name.as_deref(), of, source)))
@@ -97,16 +98,22 @@ fn label<'a>(plan: &'a Plan, path: &'a str) -> &'a str {
 
 /// Figure `k` with a curve a run.
 fn curves(plan: &Plan, rows: &[Row], k: usize, axes: [String; 2]) -> LineFigure {
-    let all: Vec<usize> = (0..plan.varied.len()).collect();
-    let curve = |(run, row): (&PlannedRun, &Row)| match row {
+    let curve = |(run, row): (usize, &Row)| match row {
         Row::Done(_, _, curves) => {
-            let name = if run.label.is_empty() { name(plan, run, &all) } else { run.label.clone() };
-            Some(Curve { name, points: curves.get(k)?.as_ref().ok()?.clone(), ..Curve::default() })
+            let points = curves.get(k)?.as_ref().ok()?.clone();
+            Some(Curve { name: run_name(plan, run), points, ..Curve::default() })
         }
         _ => None,
     };
-    let curves = plan.runs.iter().zip(rows).filter_map(curve).collect();
+    let curves = rows.iter().enumerate().filter_map(curve).collect();
     LineFigure { title: plan.study.title.clone(), axes, curves, ..LineFigure::default() }
+}
+
+/// What tells run number `k` of a study from others, as people are shown it.
+#[must_use]
+pub fn run_name(plan: &Plan, k: usize) -> String {
+    let (run, all): (_, Vec<usize>) = (&plan.runs[k], (0..plan.varied.len()).collect());
+    if run.label.is_empty() { name(plan, run, &all) } else { run.label.clone() }
 }
 
 /// The axes of a number over time.

@@ -22,9 +22,9 @@ mod table;
 
 pub use beside::Beside;
 pub use child::Place;
-pub use document::{FigureSpec, Measure, Study};
+pub use document::{FigureSpec, Measure, Scale, Study};
 pub use execute::{Ended, Event, Limits, Task, execute};
-pub use figures::{write_figure, write_figures};
+pub use figures::{run_name, write_figure, write_figures};
 pub use left::{Finished, Left, look};
 pub use pace::time_left;
 pub use plan::{Drawn, Plan, PlannedRun, Source, Varied};

@@ -8,7 +8,7 @@ use bevy_app::PluginGroup;
 use bevy_ecs::prelude::*;
 
 use super::Study;
-use super::document::{FigureSpec, number, shown};
+use super::document::{FigureSpec, Scale, number, shown};
 use super::names::{file_name, labels};
 use crate::app::{StopFlag, end_time, open};
 use crate::checkpoint::check_state;
@@ -113,6 +113,8 @@ pub struct Source {
     pub unit: String,
     /// Cutoff (Hz) of the filter through which it goes.
     pub cutoff: Option<f64>,
+    /// What it is multiplied by.
+    pub factor: f64,
 }
 
 /// What a figure is drawn from.
@@ -210,7 +212,8 @@ impl Plan {
         let mut measures = Vec::new();
         for (k, measure) in self.study.measures.iter().enumerate() {
             let place = format!("measures.{k}");
-            let source = source(world, &measure.of, measure.cutoff).map_err(|invalid| invalid.under(&place))?;
+            let source = source(world, &measure.of, measure.cutoff, measure.scale.as_ref());
+            let source = source.map_err(|invalid| invalid.under(&place))?;
             measure.take.check_times(end_time).map_err(|invalid| invalid.under("take").under(&place))?;
             let unit = if measure.against.is_some() { "" } else { measure.take.unit(&source.unit) };
             measures.push(Source { unit: unit.to_owned(), ..source });
@@ -222,7 +225,9 @@ impl Plan {
     fn drawn(&self, world: &mut World, end_time: f64) -> Result<Vec<Drawn>, Invalid> {
         let mut drawn = |figure: &FigureSpec| match figure {
             FigureSpec::Measure { .. } => Ok(Drawn::Measures),
-            FigureSpec::Series { of, cutoff, .. } => source(world, of, *cutoff).map(Drawn::Series),
+            FigureSpec::Series { of, cutoff, scale, .. } => {
+                source(world, of, *cutoff, scale.as_ref()).map(Drawn::Series)
+            }
             FigureSpec::Field { of, at, .. } => {
                 quantity(world, of).and_then(|()| times(at, end_time)).map(|()| Drawn::Frames)
             }
@@ -291,13 +296,18 @@ fn times(at: &[f64], end_time: f64) -> Result<(), Invalid> {
     })
 }
 
-/// Where the number `of`, `<series>.<field>`, filtered with `cutoff` (Hz), will stand in the log of a run.
-fn source(world: &mut World, of: &str, cutoff: Option<f64>) -> Result<Source, Invalid> {
+/// Where the number `of`, `<series>.<field>`, filtered with `cutoff` (Hz) and scaled, will stand in the log of a run.
+fn source(world: &mut World, of: &str, cutoff: Option<f64>, scale: Option<&Scale>) -> Result<Source, Invalid> {
     let (entity, index) = find_number(world, of)?;
     let series = world.get::<Series>(entity);
     let found = series.and_then(|series| Some((series, series.fields.get(index)?)));
     let (series, field) = found.ok_or_else(|| Invalid::new("of", "is not measured"))?;
-    let source = Source { topic: series.topic.clone(), field: field.name.clone(), unit: field.unit.clone(), cutoff };
+    let unit = scale.map_or(&field.unit, |scale| &scale.unit).clone();
+    let factor = scale.map_or(1.0, |scale| scale.by);
+    if factor == 0.0 || !factor.is_finite() {
+        return Err(Invalid::new("scale.by", format!("must be a number other than 0, got {factor}")));
+    }
+    let source = Source { topic: series.topic.clone(), field: field.name.clone(), unit, cutoff, factor };
     let half_rate = 0.5 / world.resource::<OutputTimes>().interval(OutputKind::Series);
     match cutoff.filter(|cutoff| !(0.0 < *cutoff && *cutoff < half_rate)) {
         Some(cutoff) => {

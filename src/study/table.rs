@@ -119,7 +119,7 @@ fn samples(results: &Results, source: &Source) -> Result<Vec<(f64, f64)>, String
     let series = results.series.iter().find(|series| series.topic == source.topic);
     let found = series.and_then(|series| Some((series, series.field(&source.field)?)));
     let samples: Vec<(f64, f64)> = found.map_or_else(Vec::new, |(series, field)| {
-        series.times.iter().copied().zip(field.values.iter().copied()).collect()
+        series.times.iter().copied().zip(field.values.iter().map(|value| source.factor * value)).collect()
     });
     let Some(cutoff) = source.cutoff else { return Ok(samples) };
     let is_number = |(_, value): &(f64, f64)| value.is_finite();
@@ -165,7 +165,7 @@ pub struct Asked<'a> {
     pub value: Option<f64>,
     /// The run that it has the value of, if that is not the last one of the study.
     pub coarser: Option<&'a str>,
-    /// Whether the range counts: nothing is judged by coarse runs.
+    /// Whether the range counts: coarse runs are judged by what is asked of them alone.
     pub is_judged: bool,
 }
 
@@ -338,10 +338,10 @@ impl Table<'_> {
             Some(Asked {
                 name: &measure.name,
                 unit: self.plan.measures[m].unit.as_str(),
-                range: measure.asked?,
+                range: if study.is_coarse { measure.asked_coarse.or(measure.asked)? } else { measure.asked? },
                 value: done.and_then(|k| self.rows[k].measure(m)),
                 coarser: done.filter(|k| k + 1 < self.rows.len()).map(|k| self.plan.runs[k].name.as_str()),
-                is_judged: !study.is_coarse,
+                is_judged: !study.is_coarse || measure.asked_coarse.is_some(),
             })
         });
         asked.collect()

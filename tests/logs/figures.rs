@@ -101,6 +101,14 @@ fn an_animation_has_the_wanted_frames() {
     folder.log();
     let times = Results::open(&folder.path("runs/tank.mcap")).unwrap().frame_times(PARTICLES);
     assert!(times.len() > 3, "{times:?}");
+    // What is not named as an APNG would be taken for something else.
+    for (out, parts) in [
+        ("slide.mp4", ["got slide.mp4", "`ffmpeg -i slide.png slide.mp4`"]),
+        ("slide", ["got slide", "write slide.png"]),
+    ] {
+        folder.run(&["movie", "runs/tank.mcap", "--out", out]).is_refused_with(&parts);
+        assert!(!folder.path(out).exists());
+    }
     folder.run(&["movie", "runs/tank.mcap", "--field", "speed", "--every", "2"]).ended_with(0);
     let path = folder.path("plots/tank/speed_movie.png");
     let decoder = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(&path).unwrap()));

@@ -51,6 +51,20 @@ fn the_numbers_are_those_of_the_log() {
     near("Reynolds", 1000.0 * 2.0 * 0.1 / 0.001);
     let (_, behind) = told.split_once("\n    mean").unwrap();
     assert!((number(behind, "C =") + mean / 100.0).abs() < 2e-3 * mean / 100.0, "{told}");
+    assert!(told.contains("of 0.5 m of its length"), "{told}");
+
+    // Peak and impulse of a part: that from one sample to a later one.
+    let (from, to) = (n / 3, n / 2);
+    let window = format!("{},{}", times[from], times[to]);
+    let ran = folder.run(&["forces", "runs/tank.mcap", "--direction", "0,-1", "--window", &window]);
+    ran.ended_with(0);
+    let told = ran.out();
+    let part: f64 = (from + 1..=to).map(|k| 0.5 * (values[k] + values[k - 1]) * (times[k] - times[k - 1])).sum();
+    let peak = values[from..=to].iter().copied().max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap();
+    for (label, exact) in [("\n    impulse", -part), ("\n    peak, raw", -peak)] {
+        let value = number(&told, label);
+        assert!((value - exact).abs() < 2e-3 * exact.abs(), "{label}: {value} {exact}\n{told}");
+    }
     for component in ["drag", "lift"] {
         assert!(folder.path(&format!("plots/tank/post_{component}_record.png")).is_file());
     }
@@ -65,6 +79,7 @@ fn mistakes_are_named() {
         (&["--velocity", "1"], &["--width"]),
         (&["--velocity", "1", "--width", "1", "--phase", "watr"], &["watr", "did you mean `water`?"]),
         (&["--direction", "0,0"], &["not all 0"]),
+        (&["--window", "1000,2000"], &["no sample in the window", "the record reaches from 0 to"]),
     ] {
         let ran = folder.run(&[&["forces", "runs/tank.mcap"], arguments].concat());
         ran.ended_with(2);

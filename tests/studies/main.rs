@@ -105,8 +105,30 @@ fn the_studies_that_are_shipped_can_be_run() {
 fn the_page_has_every_field_and_its_study_can_be_run() {
     let page = fs::read_to_string(shipped::root().join("docs/studies.md")).unwrap();
     let fields = [
-        "title", "text", "scene", "until", "set", "vary", "coarse", "names", "measures", "figures", "name", "of",
-        "take", "cutoff", "against", "shift", "asked", "over", "by", "beside",
+        "title",
+        "text",
+        "scene",
+        "until",
+        "set",
+        "vary",
+        "coarse",
+        "names",
+        "measures",
+        "figures",
+        "name",
+        "of",
+        "take",
+        "cutoff",
+        "scale",
+        "against",
+        "shift",
+        "asked",
+        "asked_coarse",
+        "over",
+        "by",
+        "logarithmic",
+        "runs",
+        "beside",
     ];
     let words =
         ["Grid", "List", "Measure", "Series", "Surface", "--dry-run", "--again", "--jobs", "--threads", "--out"];

@@ -41,11 +41,12 @@ fn r_squared_is_one_beside_itself_and_less_beside_others() {
     let against = r#"(name: "fit", of: "energy.kinetic", against: (file: "measured.csv", x: "time", y: "kinetic")),
         (name: "shifted", of: "energy.kinetic", against: (file: "early.csv", x: "time", y: "kinetic", shift: 0.25)),
         (name: "smooth", of: "energy.kinetic", take: Max, cutoff: 10.0),
-        (name: "even", of: "energy.mass", take: Min, cutoff: 10.0),"#;
+        (name: "even", of: "energy.mass", take: Min, cutoff: 10.0),
+        (name: "weight", of: "energy.mass", scale: (by: -9.81, unit: "N"), take: Max),"#;
     let beside = r#"
         Series(of: "energy.kinetic", name: "energy of motion", cutoff: 50.0, beside: [(file: "measured.csv", x: "time", y: "kinetic", name: "measured")]),
-        Measure(of: "fit", over: "greatest kinetic energy"),
-        Field(of: "pressure", at: [0.02, 0.05], arrows: true),
+        Measure(of: "fit", over: "greatest kinetic energy", logarithmic: true),
+        Field(of: "pressure", at: [0.02, 0.05], arrows: true, runs: 2),
         Profile(of: "pressure:x=0.1", at: [0.05]),"#;
     folder.write("study.ron", with(against, &beside.replace(", cutoff: 50.0", "")));
     folder.study(&[]).ended_with(0);
@@ -61,6 +62,7 @@ fn r_squared_is_one_beside_itself_and_less_beside_others() {
     assert!((fit(NAMES[0]) - 1.0).abs() < 1e-12, "{}", fit(NAMES[0]));
     assert!(NAMES[1..].iter().all(|name| fit(name) < 0.999));
     let of = |name: &str| table[NAMES[0]][name].parse::<f64>().unwrap();
+    assert!((of("weight [N]") / of("mass [kg]") + 9.81).abs() < 1e-9);
     let [raw, smooth] = ["greatest kinetic energy [J]", "smooth [J]"].map(of);
     let [even, mass, shifted] = ["even [kg]", "mass [kg]", "shifted"].map(of);
     assert!((smooth / raw - 1.0).abs() > 0.01 && (even - mass).abs() < 1e-9, "{smooth} {raw} {even} {mass}");
@@ -73,6 +75,11 @@ fn r_squared_is_one_beside_itself_and_less_beside_others() {
     let over =
         fs::read_to_string(folder.path("runs/study/figure_5_greatest_kinetic_energy_over_viscosity.svg")).unwrap();
     assert!(over.contains("thickness (Pa s)") && lines(&over).len() == 2);
+    // The field of the last two runs, at two times each, says of which they are.
+    let field = fs::read_to_string(folder.path("runs/study/figure_3_pressure.svg")).unwrap();
+    for time in ["0.02", "0.05"] {
+        assert_eq!(field.matches(&format!("thickness = 1 Pa s, t = {time} s")).count(), 2, "{time}");
+    }
     for name in ["1_energy.kinetic", "2_fit_over_greatest_kinetic_energy", "3_pressure"] {
         assert!(folder.path(&format!("runs/study/figure_{name}.png")).is_file(), "{name}");
     }
@@ -123,30 +130,38 @@ fn the_page_shows_what_is_met_and_what_is_missed() {
     let page = fs::read_to_string(folder.path("page.md")).unwrap();
     assert_parts(&page, &["not judged: coarse", "| met |"]);
     assert!(!page.contains("missed"));
+
+    // Unless something is asked of coarse runs themselves.
+    let other = fs::read_to_string(folder.path("other.ron")).unwrap();
+    folder.write("other.ron", other.replace("asked: (30.0, 31.0)", "asked: (19.9, 20.1), asked_coarse: (30.0, 31.0)"));
+    validate(&["--coarse", "--out", "runs/coarse"]).ended_with(1);
+    let page = fs::read_to_string(folder.path("page.md")).unwrap();
+    assert_parts(&page, &["| 30 | 31 |", "**missed**"]);
 }
 
 /// A study that is run alone changes its own part of the page and nothing else, whatever has become of the logs of the others.
 #[test]
 fn the_page_keeps_the_parts_of_other_studies() {
     let folder = Folder::with_study("kept", GRID);
-    folder.write("other.ron", GRID.replace("A family of tanks", "Another | family"));
-    folder.run(&["validate", "study.ron", "other.ron", "--threads", "1", "--page", "page.md"]).ended_with(0);
+    folder.write("other tank.ron", GRID.replace("A family of tanks", "Another | family"));
+    folder.run(&["validate", "study.ron", "other tank.ron", "--threads", "1", "--page", "page.md"]).ended_with(0);
     let page = || fs::read_to_string(folder.path("page.md")).unwrap();
     let whole = page();
-    fs::remove_dir_all(folder.path("runs/validation/other")).unwrap();
-    fs::remove_file(folder.path("other.ron")).unwrap();
+    assert_parts(&whole, &["](page/other%20tank/figure_1"]);
+    fs::remove_dir_all(folder.path("runs/validation/other tank")).unwrap();
+    fs::remove_file(folder.path("other tank.ron")).unwrap();
     folder.write("study.ron", GRID.replace("A family of tanks", "A family of vessels"));
     let again = || folder.run(&["validate", "study.ron", "--no-run", "--page", "page.md"]);
     let ran = again();
     ran.ended_with(0);
-    assert_parts(&ran.err(), &["The page keeps what it had of other."]);
+    assert_parts(&ran.err(), &["The page keeps what it had of other tank."]);
     assert_eq!(page(), whole.replace("A family of tanks", "A family of vessels"));
-    let figures = fs::read_dir(folder.path("page/other")).unwrap().flatten();
+    let figures = fs::read_dir(folder.path("page/other tank")).unwrap().flatten();
     assert_eq!(figures.filter(|entry| entry.path().extension().is_some_and(|e| e == "png")).count(), 3);
 
-    folder.write("page/other/section.json", "{}");
-    again().is_refused_with(&["page/other/section.json", "missing field", "delete the folder"]);
-    fs::remove_dir_all(folder.path("page/other")).unwrap();
+    folder.write("page/other tank/section.json", "{}");
+    again().is_refused_with(&["page/other tank/section.json", "missing field", "delete the folder"]);
+    fs::remove_dir_all(folder.path("page/other tank")).unwrap();
     again().ended_with(0);
     assert!(!page().contains("Another"));
 }
@@ -167,6 +182,14 @@ fn mistakes_are_named_in_their_place() {
             "a.csv cannot be read",
         ),
         ("order", r#"(name: "f", of: "energy.mass", asked: (2.0, 1.0)),"#, "", "the least value comes first"),
+        ("coarse", r#"(name: "f", of: "energy.mass", asked_coarse: (2.0, 1.0)),"#, "", "the least value comes first"),
+        (
+            "scale",
+            r#"(name: "f", of: "energy.mass", scale: (by: 0.0, unit: "N")),"#,
+            "",
+            "must be a number other than 0, got 0",
+        ),
+        ("runs", "", r#"Field(of: "pressure", at: [0.05], runs: 0),"#, "study.ron:"),
         (
             "cutoff",
             r#"(name: "f", of: "energy.mass", cutoff: 0.0),"#,

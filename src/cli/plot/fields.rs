@@ -82,6 +82,7 @@ pub(in crate::cli) fn figure(
             values: order.iter().map(|k| values[*k]).collect(),
             bodies: bodies.iter().flat_map(flat).collect(),
             arrows: if look.arrows { arrows(fluid, view, bounds(scenes, view, facts.spacing)) } else { Vec::new() },
+            spacing: facts.spacing,
         });
     }
     let bounds = bounds(scenes, view, facts.spacing);
@@ -97,7 +98,6 @@ pub(in crate::cli) fn figure(
         panels,
         axes: view.axes().map(|axis| format!("{axis} (m)")),
         bounds,
-        spacing: facts.spacing,
     })
 }
 
