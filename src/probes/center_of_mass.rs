@@ -12,8 +12,8 @@ use crate::particles::{Fluid, Mass, PhaseIndex, Position};
 use crate::scene::Invalid;
 use crate::scene::geometry::Point;
 
-/// Centre of mass `Σ m x / Σ m` of a phase: `x`, `y`, `z` (m), its velocity `Σ m v / Σ m`: `vx`, `vy`, `vz` (m/s), and how far it
-/// has gone since the start: `displacement` (m).
+/// Centre of mass `Σ m x / Σ m` of a phase: `x`, `y`, `z` (m), its velocity `Σ m v / Σ m`: `vx`, `vy`, `vz` (m/s), how far it
+/// has gone since the start: `displacement` (m), and its mass: `mass` (kg, in 2D of a metre across the plane).
 ///
 /// Along a periodic axis, where particles re-enter, only the velocity means something: displacements leave it out.
 #[derive(Component, Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -45,7 +45,8 @@ impl Probe for CenterOfMass {
         let position = ["x", "y", "z"].map(|axis| SeriesField::new(axis, "m", format!("{axis} of the centre of mass")));
         let velocity = ["vx", "vy", "vz"].map(|axis| SeriesField::new(axis, "m/s", "velocity of the centre of mass"));
         let displacement = SeriesField::new("displacement", "m", "way from the start (along the direction, if given)");
-        position.into_iter().chain(velocity).chain([displacement]).collect()
+        let mass = SeriesField::new("mass", "kg", "mass of the phase (in 2D of a metre across the plane)");
+        position.into_iter().chain(velocity).chain([displacement, mass]).collect()
     }
 
     fn prepare(&mut self, world: &mut World) -> Result<(), Invalid> {
@@ -80,6 +81,7 @@ impl Probe for CenterOfMass {
         row[..3].copy_from_slice(&x.to_array());
         row[3..6].copy_from_slice(&v.to_array());
         row[6] = self.along.map_or(way.length(), |n| way.dot(n));
+        row[7] = mass;
     }
 }
 
@@ -103,6 +105,8 @@ mod tests {
         app.assert("c.vy", 2.0, 1e-12);
         app.assert("c.displacement", 0.05, 1e-12);
         app.assert("d.displacement", -0.04, 1e-12);
+        // 0.4 m times 0.2 m of water, compressed by 1 % at most.
+        app.assert("c.mass", 80.0, 0.8);
         // Compressed by its own weight, the water is a little heavier below the middle.
         let y = app.value("c.y").unwrap_or_default();
         assert!(y < 0.26 && y > 0.259, "{y}");
