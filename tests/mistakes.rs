@@ -211,6 +211,11 @@ fn places() {
     refused("place_zone_outside", "end_time: 0.05,", &zone);
     refused("place_outside_periodic", "end_time: 0.05,", "end_time: 0.05, periodic: (x: (0.0, 0.3)),");
     warned("place_structure_half_in_wall", "center: (0.3, 0.05)", "center: (0.4, 0.05)");
+    warned(
+        "place_structure_thin",
+        "Circle(center: (0.3, 0.05), radius: 0.03)",
+        "Box(min: (0.27, 0.04), max: (0.33, 0.06))",
+    );
     warned("place_gap_at_wall", "min: (0.0, 0.1), max: (0.4, 0.2)", "min: (0.0, 0.1), max: (0.38, 0.2)");
     warned("place_gap_between_fluids", "min: (0.0, 0.1), max: (0.4, 0.2)", "min: (0.0, 0.11), max: (0.4, 0.2)");
     warned("place_period", "end_time: 0.05,", "end_time: 0.05, periodic: (x: (0.0, 0.405)),");

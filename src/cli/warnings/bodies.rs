@@ -3,7 +3,8 @@
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 
-use crate::boundary::{Body, LeftOut, Structure, body_shapes};
+use crate::boundary::{Body, BodyShape, LeftOut, Structure, body_shapes};
+use crate::kernels::SmoothingKernel;
 use crate::neighbours::PeriodicSides;
 use crate::number::{count, short};
 use crate::particles::{BodyIndex, Position, Solid};
@@ -33,6 +34,33 @@ pub(super) fn buried_structures(world: &mut World) -> Vec<Invalid> {
         }
     }
     found
+}
+
+/// A structure with no particle deeper (in spacings) than this has one or two layers of them.
+const THIN: f64 = 0.75;
+
+/// Structures that are one or two particles thin: they lack most of the ghosts by which a wall holds fluid off.
+pub(super) fn thin_structures(world: &mut World) -> Vec<Invalid> {
+    let Resolution { spacing, .. } = *world.resource::<Resolution>();
+    let reach = short((world.resource::<SmoothingKernel>().0.radius() / spacing).ceil());
+    let mut structures = world.query_filtered::<(&Body, &BodyShape), With<Structure>>();
+    let mut shapes: Vec<_> =
+        structures.iter(world).map(|(body, shape)| (body.index, body.name.clone(), shape.clone())).collect();
+    shapes.sort_by_key(|(index, ..)| *index);
+    let mut particles = world.query_filtered::<(&BodyIndex, &Position), With<Solid>>();
+    let sides = *world.resource::<PeriodicSides>();
+    let is_thin = |(index, _, shape): &(u32, String, BodyShape)| {
+        let mut own = particles.iter(world).filter(|(body, _)| body.0 == *index);
+        own.all(|(_, x)| shape.clearance_through(&sides, x.0) > -THIN * spacing)
+    };
+    let message = |name: String| {
+        let message = format!(
+            "it is one or two spacings thin: a wall that holds fluid off has {reach} layers of ghosts, and fluid that stands against one side \
+             of it can be pressed through"
+        );
+        Invalid::new(format!("structures.{name}.shape"), message)
+    };
+    shapes.into_iter().filter(is_thin).map(|(_, name, _)| message(name)).collect()
 }
 
 /// Walls of which nothing is left, or a part in another wall has that one's slip.

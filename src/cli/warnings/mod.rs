@@ -15,7 +15,7 @@ use crate::scene::{Invalid, SceneDocument};
 
 /// Warnings about the scene of a world at its start, each with its place.
 pub(super) fn warnings(world: &mut World) -> Vec<UserError> {
-    let found: [Vec<Invalid>; 11] = [
+    let found: [Vec<Invalid>; 12] = [
         filling::off_lattice(world),
         filling::periods_off_lattice(world),
         filling::thin_fluids(world),
@@ -24,6 +24,7 @@ pub(super) fn warnings(world: &mut World) -> Vec<UserError> {
         surroundings::background_pressure(world),
         bodies::buried_structures(world),
         bodies::overlapping_walls(world),
+        bodies::thin_structures(world),
         speeds::fast_starts(world),
         speeds::constant_viscosities(world),
         times::endless_settling(world),
