@@ -116,8 +116,9 @@ impl Section {
 
 /// The page.
 fn written<'a>(sections: impl Iterator<Item = &'a Section> + Clone) -> String {
-    let mut text = "# Validation\n\nWritten by `storegga validate`: every number below is what its runs gave. Each section is a study of the folder \
-         `studies`, and can be run alone (`storegga validate FILE --page …`).\n\n\
+    let mut text = "# Validation\n\nWritten by `storegga validate`: every number below is what its runs gave. Each section is a study of the \
+         folder `studies`, and can be run alone (`storegga validate FILE --page …`). `took` is real time, on one or two threads and beside \
+         whatever else went on: measured times are in `docs/speed.md`.\n\n\
          | case | asked of the last run that is done | at least | at most | seen | |\n|---|---|---|---|---|---|\n"
         .to_owned();
     for section in sections.clone() {

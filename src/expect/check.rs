@@ -86,9 +86,9 @@ impl Resolved {
             value,
             expected: 0.5 * (least + greatest),
             tolerance: 0.5 * (greatest - least),
-            unit: unit.to_owned(),
-            expected_text: self.expected(world, unit),
-            tolerance_text: self.tolerance(unit),
+            expected_text: self.expected(world, &unit),
+            tolerance_text: self.tolerance(&unit),
+            unit: unit.into_owned(),
             // NaN is in no range.
             pass: (least..=greatest).contains(&value),
             note,

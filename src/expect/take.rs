@@ -1,5 +1,7 @@
 //! One value of a series.
 
+use std::borrow::Cow;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -18,6 +20,15 @@ pub enum Take {
     At(f64),
     /// The mean over a time.
     Mean {
+        /// Start (s).
+        #[schemars(extend("unit" = "s"))]
+        from: f64,
+        /// End (s).
+        #[schemars(extend("unit" = "s"))]
+        to: f64,
+    },
+    /// The integral over a time: of a force, its impulse.
+    Integral {
         /// Start (s).
         #[schemars(extend("unit" = "s"))]
         from: f64,
@@ -100,6 +111,7 @@ impl Take {
     fn window(&self) -> Option<(f64, f64)> {
         match *self {
             Self::Mean { from, to }
+            | Self::Integral { from, to }
             | Self::MaxIn { from, to }
             | Self::Change { from, to }
             | Self::Frequency { from, to }
@@ -110,12 +122,13 @@ impl Take {
     }
 
     /// Unit of the value, for a series in `unit`.
-    pub(crate) fn unit<'a>(&self, unit: &'a str) -> &'a str {
+    pub(crate) fn unit<'a>(&self, unit: &'a str) -> Cow<'a, str> {
         match self {
-            Self::Reaches(_) => "s",
-            Self::Frequency { .. } => "rad/s",
-            Self::Decay { .. } | Self::Growth { .. } => "1/s",
-            _ => unit,
+            Self::Reaches(_) => "s".into(),
+            Self::Frequency { .. } => "rad/s".into(),
+            Self::Decay { .. } | Self::Growth { .. } => "1/s".into(),
+            Self::Integral { .. } => format!("{unit} s").trim_start().to_owned().into(),
+            _ => unit.into(),
         }
     }
 
@@ -136,7 +149,8 @@ impl Take {
         match *self {
             Self::Last => values().next_back().ok_or_else(|| "nothing was measured".to_owned()),
             Self::At(t) => at(samples, t),
-            Self::Mean { from, to } => Ok(mean(&window(samples, from, to)?)),
+            Self::Mean { from, to } => Ok(integral(&window(samples, from, to)?) / (to - from)),
+            Self::Integral { from, to } => Ok(integral(&window(samples, from, to)?)),
             Self::Max => Ok(values().fold(f64::NAN, f64::max)),
             Self::Min => Ok(values().fold(f64::NAN, f64::min)),
             Self::MaxIn { from, to } => {
@@ -201,15 +215,9 @@ fn window(samples: &[Sample], from: f64, to: f64) -> Result<Vec<Sample>, String>
     Ok([(from, start)].into_iter().chain(inside).chain([(to, end)]).collect())
 }
 
-/// Mean over time of a series that is linear between its samples.
-fn mean(samples: &[Sample]) -> f64 {
-    let (mut integral, mut duration) = (0.0, 0.0);
-    for pair in samples.windows(2) {
-        let dt = pair[1].0 - pair[0].0;
-        integral += 0.5 * (pair[0].1 + pair[1].1) * dt;
-        duration += dt;
-    }
-    integral / duration
+/// Integral over time of a series that is linear between its samples.
+fn integral(samples: &[Sample]) -> f64 {
+    samples.windows(2).map(|pair| 0.5 * (pair[0].1 + pair[1].1) * (pair[1].0 - pair[0].0)).sum()
 }
 
 #[cfg(test)]
@@ -234,6 +242,9 @@ mod tests {
         // Trapezia: (0.5 + 0.8125 + 8.4375 + 12.5)/4, and one piece of one of them.
         assert!((take(Take::Mean { from: 0.0, to: 4.0 }) - 22.25 / 4.0).abs() < 1e-12);
         assert!((take(Take::Mean { from: 3.25, to: 3.75 }) - 12.5).abs() < 1e-12);
+        assert!((take(Take::Integral { from: 0.0, to: 4.0 }) - 22.25).abs() < 1e-12);
+        assert!((take(Take::Integral { from: 3.25, to: 3.75 }) - 6.25).abs() < 1e-12);
+        assert_eq!((&*Take::Integral { from: 0.0, to: 1.0 }.unit("N"), &*Take::Max.unit("N")), ("N s", "N"));
     }
 
     #[test]
@@ -255,7 +266,7 @@ mod tests {
         assert!((of(Take::Frequency { from: 2.0, to: 9.0 }) - 4.0).abs() < 1e-3);
         assert!((of(Take::Decay { from: 2.0, to: 9.0 }) - 0.1).abs() < 1e-3);
         assert!(of(Take::Growth { from: 0.0, to: 1.5 }).abs() < 1e-12);
-        assert_eq!(Take::Growth { from: 0.0, to: 1.0 }.unit("m"), "1/s");
+        assert_eq!(&*Take::Growth { from: 0.0, to: 1.0 }.unit("m"), "1/s");
     }
 
     #[test]

@@ -108,8 +108,12 @@ pub(super) fn write<DB: DrawingBackend>(
     (h, v): (HPos, VPos),
 ) -> DrawResult {
     let style = (FONT, LETTERS).into_font().into_text_style(area).pos(Pos::new(h, v));
-    area.draw(&Text::new(text.to_owned(), at, style)).map_err(words)
+    let down = if matches!(v, VPos::Center) { SINK } else { 0 };
+    area.draw(&Text::new(text.to_owned(), (at.0, at.1 + down), style)).map_err(words)
 }
+
+/// Pixels by which the middle of a line with room for accents and tails lies above that of its capitals and digits.
+const SINK: i32 = 3;
 
 /// Writes `text` on a white ground, its upper left corner at a pixel.
 pub(super) fn write_on_white<DB: DrawingBackend>(

@@ -6,7 +6,7 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 
 use super::axes::{Axes, BOTTOM, LEFT, TOP, write, write_title};
-use super::style::{COLOURS, CURVE, LETTER, WIDTH, colour};
+use super::style::{COLOURS, CURVE, LETTER_IN_WORDS, WIDTH, colour};
 use super::{DrawResult, Figure, words};
 
 /// How the points of a curve are drawn.
@@ -143,7 +143,7 @@ impl LineFigure {
             return (0, 0);
         }
         let letters = self.curves.iter().map(|curve| curve.name.chars().count()).max().unwrap_or(0);
-        let column = letters as i32 * LETTER + SAMPLE + COLUMN;
+        let column = letters as i32 * LETTER_IN_WORDS + SAMPLE + COLUMN;
         let (columns, count) = (((WIDTH as i32 - LEFT) / column).max(1), self.curves.len() as i32);
         (column, (count + columns - 1) / columns)
     }
@@ -152,7 +152,7 @@ impl LineFigure {
 impl Figure for LineFigure {
     fn size(&self) -> (u32, u32) {
         let ((column, rows), notes) = (self.names(), self.notes.len() as i32);
-        let longest = self.notes.iter().map(|note| note.chars().count() as i32 * LETTER).max().unwrap_or(0);
+        let longest = self.notes.iter().map(|note| note.chars().count() as i32 * LETTER_IN_WORDS).max().unwrap_or(0);
         let width = (WIDTH as i32).max(LEFT + column.max(longest));
         (width as u32, (TOP + HEIGHT + BOTTOM + LINE * (rows + notes)) as u32)
     }

@@ -12,8 +12,9 @@ pub(super) const WIDTH: u32 = 1600;
 pub(super) const LETTERS: u32 = 25;
 pub(super) const TITLE: u32 = 29;
 
-/// Width (pixels) of a letter, on average and a little more.
+/// Width (pixels) of a digit, and of a letter in words on average, a little more than it is.
 pub(super) const LETTER: i32 = 15;
+pub(super) const LETTER_IN_WORDS: i32 = 12;
 
 /// Width (pixels) of axes and of curves.
 pub(super) const AXIS: u32 = 2;

@@ -215,8 +215,9 @@ impl Plan {
             let source = source(world, &measure.of, measure.cutoff, measure.scale.as_ref());
             let source = source.map_err(|invalid| invalid.under(&place))?;
             measure.take.check_times(end_time).map_err(|invalid| invalid.under("take").under(&place))?;
-            let unit = if measure.against.is_some() { "" } else { measure.take.unit(&source.unit) };
-            measures.push(Source { unit: unit.to_owned(), ..source });
+            let unit = measure.take.unit(&source.unit).into_owned();
+            let unit = if measure.against.is_some() { String::new() } else { unit };
+            measures.push(Source { unit, ..source });
         }
         Ok(measures)
     }

@@ -101,6 +101,27 @@ fn the_studies_that_are_shipped_can_be_run() {
     }
 }
 
+/// The paper's section 3.2: the front of the slide is faster as η or τ_y falls, and τ_y matters more: n of v ∝ η^n, v ∝ τ_y^n.
+#[test]
+fn the_slide_is_as_sensitive_as_the_paper_finds() {
+    let folder = Folder::new("sensitivity");
+    let study = shipped::root().join("studies/slide_sensitivity.ron").canonicalize().unwrap();
+    let ran =
+        folder.run(&["study", study.to_str().unwrap(), "--coarse", "--threads", "1", "--out", "runs/study", "--quiet"]);
+    ran.ended_with(0);
+    let table = folder.table();
+    let front = |consistency: &str, yield_stress: &str| -> f64 {
+        let name = format!("spacing=0.1,consistency={consistency},yield_stress={yield_stress}");
+        table[&name]["greatest front velocity [m/s]"].parse().unwrap()
+    };
+    let exponent = |slow: f64, fast: f64, ratio: f64| (slow / fast).ln() / ratio.ln();
+    let of_yield_stress = ["0.15", "150"].map(|eta| exponent(front(eta, "1000"), front(eta, "250"), 4.0));
+    let of_viscosity = ["250", "1000"].map(|tau| exponent(front("150", tau), front("0.15", tau), 1000.0));
+    assert!(of_yield_stress.iter().chain(&of_viscosity).all(|n| *n < 0.0), "{of_yield_stress:?} {of_viscosity:?}");
+    let steepest = of_viscosity.into_iter().fold(0.0, f64::min);
+    assert!(of_yield_stress.iter().all(|n| *n < steepest), "{of_yield_stress:?} {of_viscosity:?}");
+}
+
 #[test]
 fn the_page_has_every_field_and_its_study_can_be_run() {
     let page = fs::read_to_string(shipped::root().join("docs/studies.md")).unwrap();

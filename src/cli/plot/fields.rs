@@ -156,26 +156,33 @@ fn extent<'a>(frames: impl Iterator<Item = &'a Frame>, view: View, spacing: f64)
 /// Arrows along the longer side of the picture.
 const ARROWS: f64 = 36.0;
 
-/// Mean velocities of the particles in each square of a grid.
+/// Mean velocities of the particles in each square of a grid, at their mean place: an arrow beside the fluid would say that something flows there.
 fn arrows(frame: &Frame, view: View, bounds: [(f64, f64); 2]) -> Vec<([f64; 2], [f64; 2])> {
     let edge = bounds.iter().map(|(least, greatest)| greatest - least).fold(0.0, f64::max) / ARROWS;
     let mut squares = std::collections::BTreeMap::new();
     for (x, v) in frame.positions().zip(frame.velocities()) {
         let (x, v) = (view.flat(x), view.flat(v));
         let square = x.map(|x| (x / edge).floor() as i64);
-        let (count, sum) = squares.entry(square).or_insert((0.0, [0.0; 2]));
+        let (count, places, velocities) = squares.entry(square).or_insert((0.0, [0.0; 2], [0.0; 2]));
         *count += 1.0;
-        *sum = [sum[0] + v[0], sum[1] + v[1]];
+        *places = [places[0] + x[0], places[1] + x[1]];
+        *velocities = [velocities[0] + v[0], velocities[1] + v[1]];
     }
-    let middle = |square: [i64; 2]| square.map(|k| (k as f64 + 0.5) * edge);
-    squares.into_iter().map(|(square, (count, sum))| (middle(square), sum.map(|sum| sum / count))).collect()
+    let mean = |count: f64, sum: [f64; 2]| sum.map(|sum| sum / count);
+    squares.into_values().map(|(count, places, velocities)| (mean(count, places), mean(count, velocities))).collect()
 }
 
-/// The measure of arrows: a round speed near the greatest, as long as two squares of the grid.
+/// Part of the arrows that may be longer than the measure: a few drops that fall shall not make dots of all others.
+const LONG: f64 = 0.02;
+
+/// The measure of arrows: a round speed near the greatest but for a few, as long as two squares of the grid.
 fn measure(panels: &[Panel], bounds: [(f64, f64); 2]) -> Arrows {
     let edge = bounds.iter().map(|(least, greatest)| greatest - least).fold(0.0, f64::max) / ARROWS;
     let speeds = panels.iter().flat_map(|panel| &panel.arrows).map(|(_, v)| v[0].hypot(v[1]));
-    let greatest = speeds.fold(0.0, f64::max).max(1e-9);
+    let mut speeds: Vec<f64> = speeds.filter(|speed| speed.is_finite()).collect();
+    speeds.sort_unstable_by(f64::total_cmp);
+    let place = (1.0 - LONG) * speeds.len().saturating_sub(1) as f64;
+    let greatest = speeds.get(place as usize).copied().unwrap_or(0.0).max(1e-9);
     let power = 10_f64.powf(greatest.log10().floor());
     let round = [5.0, 2.0, 1.0].into_iter().map(|times| times * power).find(|speed| *speed <= greatest);
     let speed = round.unwrap_or(power);
