@@ -31,33 +31,13 @@ pub(super) fn forces<P: PluginGroup>(args: &ForcesArgs, plugins: fn() -> P) -> R
         components.push((component.name, raw, filtered, cutoff));
     }
     let Some((_, raw, _, cutoff)) = components.first() else { return Ok(ExitCode::SUCCESS) };
-    let window = args.window.map_or((raw.start, raw.end()), |(from, to)| (from.max(raw.start), to.min(raw.end())));
-    if raw.peak(window.0, window.1).is_none() {
-        let message =
-            format!("there is no sample in the window: the record reaches from {} to {} s", raw.start, raw.end());
-        return Err(UserError::plain(message));
-    }
-    let steady = args.steady.unwrap_or((0.5 * (window.0 + window.1), window.1));
-    let mut told = format!(
-        "{}: force of the fluid on `{structure}`{}\n  record      {} to {} s, {} samples, one every {} s\n  filter      Butterworth, second \
-         order forward and backward (no lag; as SAE J211), cutoff {} Hz\n  peaks       and impulse from {} to {} s\n  mean        from {} \
-         to {} s\n",
-        args.log.display(),
-        if results.facts.dimension == 2 {
-            format!(", of {} m of its length", short(length(&results, structure)))
-        } else {
-            String::new()
-        },
-        short(raw.start),
-        short(raw.end()),
-        count(raw.values.len() as u64),
-        short(raw.interval),
-        short(*cutoff),
-        short(window.0),
-        short(window.1),
-        short(steady.0),
-        short(steady.1),
-    );
+    let whole = (raw.start, raw.end());
+    let window = part("--window", args.window.unwrap_or(whole), whole)?;
+    let steady = part("--steady", args.steady.unwrap_or((0.5 * (window.0 + window.1), window.1)), whole)?;
+    let of_length = || format!(", of {} m of its length", short(length(&results, structure)));
+    let of_length = if results.facts.dimension == 2 { of_length() } else { String::new() };
+    let mut told = format!("{}: force of the fluid on `{structure}`{of_length}\n", args.log.display());
+    told.push_str(&head(raw, *cutoff, window, steady));
     if let Some(flow) = &flow {
         told.push_str(&flow.line());
     }
@@ -69,6 +49,33 @@ pub(super) fn forces<P: PluginGroup>(args: &ForcesArgs, plugins: fn() -> P) -> R
         out.write(&format!("{structure}_{name}_record"), &figure(&results, structure, name, (raw, filtered, *cutoff)))?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// The part of the record, `whole` from one time (s) to another, in what the option `name` gives.
+fn part(name: &str, (from, to): (f64, f64), whole: (f64, f64)) -> Result<(f64, f64), UserError> {
+    let part = (from.max(whole.0), to.min(whole.1));
+    if part.0 < part.1 {
+        return Ok(part);
+    }
+    let what = format!("{name} {from},{to}: the record reaches from {} to {} s", short(whole.0), short(whole.1));
+    Err(UserError::plain(what))
+}
+
+/// What is judged, and how.
+fn head(raw: &Record, cutoff: f64, window: (f64, f64), steady: (f64, f64)) -> String {
+    format!(
+        "  record      {} to {} s, {} samples, one every {} s\n  filter      Butterworth, second order forward and backward (no lag; as SAE \
+         J211), cutoff {} Hz\n  peaks       and impulse from {} to {} s\n  mean        from {} to {} s\n",
+        short(raw.start),
+        short(raw.end()),
+        count(raw.values.len() as u64),
+        short(raw.interval),
+        short(cutoff),
+        short(window.0),
+        short(window.1),
+        short(steady.0),
+        short(steady.1),
+    )
 }
 
 /// Cutoff of the filter in units of the rate of sampling, if none is given.

@@ -57,7 +57,8 @@ fn default_file(log: &Path, field: &str) -> PathBuf {
 
 /// Refuses a file whose name says that it is something else.
 fn refuse_other_ending(path: &Path) -> Result<(), UserError> {
-    if path.extension().is_some_and(|ending| ending == "png" || ending == "apng") {
+    let is = |ending: &std::ffi::OsStr| ["png", "apng"].iter().any(|known| ending.eq_ignore_ascii_case(known));
+    if path.extension().is_some_and(is) {
         return Ok(());
     }
     let png = path.with_extension("png");

@@ -11,7 +11,7 @@ use super::export::unwritable;
 use super::study::Done;
 use crate::error::UserError;
 use crate::replace::replace;
-use crate::study::{Row, Table, escaped};
+use crate::study::{Row, Table, escaped, figure_lines};
 
 /// Name of the file with the part of a study.
 const SECTION: &str = "section.json";
@@ -27,6 +27,8 @@ struct Section {
     runs: [usize; 4],
     /// Its Markdown, by lines.
     lines: Vec<String>,
+    /// Names of its figures, which lie beside this file.
+    figures: Vec<String>,
 }
 
 /// Writes the parts of the studies that were `done`, copies their figures from their folders in `runs`, and writes the page of all studies
@@ -36,12 +38,12 @@ pub(super) fn write_page(page: &Path, runs: &Path, done: &[(String, Done)]) -> R
     for (name, done) in done {
         copy_figures(&runs.join(name), &folder.join(name), &done.figures)?;
         let path = folder.join(name).join(SECTION);
-        let section = serde_json::to_string_pretty(&Section::of(name, done, &folder));
+        let section = serde_json::to_string_pretty(&Section::of(name, done));
         let written = section.map_err(Into::into).and_then(|text| replace(&path, (text + "\n").as_bytes()));
         written.map_err(|error| unwritable(&path, &error))?;
     }
     let sections = sections(&folder)?;
-    let text = written(sections.iter().map(|(_, section)| section));
+    let text = written(&sections, &folder.file_name().unwrap_or_default().to_string_lossy());
     replace(page, text.as_bytes()).map_err(|error| unwritable(page, &error))?;
     let kept = sections.into_iter().map(|(name, _)| name).filter(|name| done.iter().all(|(new, _)| new != name));
     Ok(kept.collect())
@@ -70,14 +72,14 @@ fn copy_figures(from: &Path, to: &Path, figures: &[String]) -> Result<(), UserEr
 /// Refuses a page whose parts cannot be read, before anything is run for it.
 pub(super) fn refuse_unreadable(page: &Path) -> Result<(), UserError> {
     let folder = figure_folder(page);
-    if folder.is_dir() { sections(&folder).map(drop) } else { Ok(()) }
+    if folder.exists() { sections(&folder).map(drop) } else { Ok(()) }
 }
 
 /// The parts in the folder beside the page, by name.
 fn sections(folder: &Path) -> Result<Vec<(String, Section)>, UserError> {
     let unreadable = |path: &Path, why: &dyn std::fmt::Display| {
         UserError::plain(format!("cannot read {}: {why}", path.display()))
-            .help("delete the folder that it is in, and the study has no part in the page until it is run again")
+            .help("delete what is there: a study without a part in the page has one when it is run again")
     };
     let mut sections = Vec::new();
     for entry in fs::read_dir(folder).map_err(|error| unreadable(folder, &error))?.flatten() {
@@ -93,13 +95,11 @@ fn sections(folder: &Path) -> Result<Vec<(String, Section)>, UserError> {
 }
 
 impl Section {
-    /// The part of the study `name`, whose figures are in its folder in `folder`.
-    fn of(name: &str, done: &Done, folder: &Path) -> Self {
+    /// The part of the study `name`.
+    fn of(name: &str, done: &Done) -> Self {
         let table = Table { plan: &done.plan, rows: &done.rows };
         let title = &done.plan.study.title;
         let count = |is: fn(&Row) -> bool| done.rows.iter().filter(|row| is(row)).count();
-        // A link of Markdown ends at a space.
-        let links = format!("{}/{name}/", folder.file_name().unwrap_or_default().to_string_lossy()).replace(' ', "%20");
         Self {
             title: escaped(if title.is_empty() { name } else { title }),
             asked: table.asked().iter().map(|asked| asked.cells().to_vec()).collect(),
@@ -109,30 +109,32 @@ impl Section {
                 count(|row| matches!(row, Row::Diverged(_) | Row::Failed(_))),
                 count(|row| matches!(row, Row::Waiting | Row::Interrupted)),
             ],
-            lines: table.markdown("##", &links, &done.figures).lines().map(str::to_owned).collect(),
+            lines: table.markdown("##").lines().map(str::to_owned).collect(),
+            figures: done.figures.clone(),
         }
     }
 }
 
-/// The page.
-fn written<'a>(sections: impl Iterator<Item = &'a Section> + Clone) -> String {
-    let mut text = "# Validation\n\nWritten by `storegga validate`: every number below is what its runs gave. Each section is a study of the \
-         folder `studies`, and can be run alone (`storegga validate FILE --page …`). `took` is real time, on one or two threads and beside \
-         whatever else went on: measured times are in `docs/speed.md`.\n\n\
+/// The page, the figures of whose parts, by name, are below `folder`.
+fn written(sections: &[(String, Section)], folder: &str) -> String {
+    let mut text = "# Validation\n\nWritten by `storegga validate`: every number below is what its runs gave. Each section is a study, and can \
+         be run alone (`storegga validate FILE --page …`). `took` is real time, on the threads that a run had and beside whatever else \
+         went on.\n\n\
          | case | asked of the last run that is done | at least | at most | seen | |\n|---|---|---|---|---|---|\n"
         .to_owned();
-    for section in sections.clone() {
+    for (_, section) in sections {
         for cells in &section.asked {
             let _ = writeln!(text, "| {} | {} |", section.title, cells.join(" | "));
         }
     }
     text += "\n| study | runs | done | diverged or failed | not done |\n|---|---|---|---|---|\n";
-    for section in sections.clone() {
+    for (_, section) in sections {
         let runs = section.runs.map(|number| number.to_string());
         let _ = writeln!(text, "| {} | {} |", section.title, runs.join(" | "));
     }
-    for section in sections {
-        let _ = write!(text, "\n{}\n", section.lines.join("\n"));
+    for (name, section) in sections {
+        let figures = figure_lines(&format!("{folder}/{name}/"), &section.figures);
+        let _ = write!(text, "\n{}\n{figures}", section.lines.join("\n"));
     }
     text
 }

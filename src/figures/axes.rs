@@ -71,7 +71,12 @@ impl Axes {
         };
         let (black, grey) = (BLACK.stroke_width(AXIS), RGBColor(222, 222, 222).stroke_width(1));
         let ticks = if self.is_log { log_ticks } else { ticks };
-        let label = |value: f64, all: &[f64]| if self.is_log { short(value) } else { tick_label(value, all) };
+        // Powers of ten and what is between them have few digits each; others as many as tell them apart.
+        let label = |value: f64, all: &[f64]| {
+            let has_powers =
+                self.is_log && all.last().zip(all.first()).is_some_and(|(last, first)| *last >= 5.0 * first);
+            if has_powers { short(value) } else { tick_label(value, all) }
+        };
         let x_ticks = ticks(self.x.0, self.x.1, (width / 170).max(2) as usize);
         for value in &x_ticks {
             let (x, _) = self.pixel([*value, self.y.0]);

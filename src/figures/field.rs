@@ -92,7 +92,7 @@ impl FieldFigure {
         ((scale * width).max(60.0) as i32, (scale * height).max(60.0) as i32)
     }
 
-    /// Makes it show what another shows too: with the same axes, colours and arrows.
+    /// Makes it show what another of the same scene shows too: with the same axes, colours and arrows.
     pub fn widen(&mut self, other: &Self) {
         let both = |a: (f64, f64), b: (f64, f64)| (a.0.min(b.0), a.1.max(b.1));
         for (bounds, more) in self.bounds.iter_mut().zip(other.bounds) {
@@ -151,7 +151,8 @@ impl FieldFigure {
         let letters = self.panels.iter().map(|panel| panel.label.chars().count()).max().unwrap_or(0);
         let label = (LETTER * letters as i32 + 16, 46);
         let [left, top, width, height] = axes.rectangle;
-        let (right, bottom) = (left + width - label.0, top + height - label.1);
+        // A label that is wider than the panel begins at its left.
+        let (right, bottom) = ((left + width - label.0).max(left + 24), top + height - label.1);
         let corners =
             [(left + 12, top + 12), (right - 12, top + 12), (left + 12, bottom - 12), (right - 12, bottom - 12)];
         let hidden = |corner: &(i32, i32)| {

@@ -79,6 +79,7 @@ impl LineFigure {
             match greatest - least {
                 span if span > 0.0 => (least, greatest),
                 // One value only, or none.
+                0.0 if self.is_log => (least - 0.5, least + 0.5),
                 0.0 => (least - 0.5 * least.abs().max(1e-9), least + 0.5 * least.abs().max(1e-9)),
                 _ => (0.0, 1.0),
             }
@@ -90,8 +91,10 @@ impl LineFigure {
         // Dots at the ends would stand over the frame.
         let has_dots = self.curves.iter().any(|curve| curve.marks == Marks::Dots);
         let x = with_margin(ends(0), if has_dots { MARGIN / 2.0 } else { 0.0 });
-        let bounds = [x, self.range.unwrap_or_else(|| with_margin(ends(1), MARGIN))];
-        if self.is_log { bounds.map(|(least, greatest)| (10_f64.powf(least), 10_f64.powf(greatest))) } else { bounds }
+        let bounds = [x, with_margin(ends(1), MARGIN)];
+        let power = |(least, greatest): (f64, f64)| (10_f64.powf(least), 10_f64.powf(greatest));
+        let [x, y] = if self.is_log { bounds.map(power) } else { bounds };
+        [x, self.range.unwrap_or(y)]
     }
 
     fn draw_curve<DB: DrawingBackend>(&self, k: usize, axes: &Axes, area: &DrawingArea<DB, Shift>) -> DrawResult {
@@ -117,7 +120,7 @@ impl LineFigure {
     fn draw_names<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> DrawResult {
         let (column, rows) = self.names();
         let top = TOP + HEIGHT + BOTTOM + LINE / 2;
-        for (k, curve) in self.curves.iter().enumerate() {
+        for (k, curve) in self.curves.iter().enumerate().take_while(|_| rows > 0) {
             let (x, y) = (LEFT + column * (k as i32 / rows), top + LINE * (k as i32 % rows));
             if curve.marks == Marks::Rings {
                 area.draw(&Circle::new((x + 24, y), 7, BLACK.stroke_width(2))).map_err(words)?;
@@ -211,21 +214,52 @@ mod tests {
     use super::super::style::register_fonts;
     use super::*;
 
-    /// The eighth curve has the colour of the first, and is told from it by its dashes, with dots or without.
+    /// Pieces of lines in the colours of the first and the second of `count` curves, each line once in the figure and once beside its name.
+    fn pieces(count: i32, marks: Marks) -> [usize; 2] {
+        let curve = |k: i32| Curve { name: k.to_string(), points: vec![[0.0, f64::from(k)], [1.0, 9.0]], marks };
+        let figure = LineFigure { curves: (0..count).map(curve).collect(), ..LineFigure::default() };
+        let mut drawn = String::new();
+        register_fonts();
+        crate::figures::drawn(&figure, SVGBackend::with_string(&mut drawn, figure.size())).expect("it is drawn");
+        let of =
+            |colour: &str| drawn.lines().filter(|line| line.starts_with("<polyline") && line.contains(colour)).count();
+        ["#0072B2", "#D55E00"].map(of)
+    }
+
+    /// The eighth curve has the colour of the first, and is told from it by its dashes, with dots or without; the 15th by shorter ones.
     #[test]
     fn curves_with_one_colour_differ() {
         for marks in [Marks::Line, Marks::Dots] {
-            let curve = |k: i32| Curve { name: k.to_string(), points: vec![[0.0, f64::from(k)], [1.0, 9.0]], marks };
-            let figure = LineFigure { curves: (0..8).map(curve).collect(), ..LineFigure::default() };
-            let mut drawn = String::new();
-            register_fonts();
-            crate::figures::drawn(&figure, SVGBackend::with_string(&mut drawn, figure.size())).expect("it is drawn");
-            let of = |colour: &str| {
-                drawn.lines().filter(|line| line.starts_with("<polyline") && line.contains(colour)).count()
-            };
-            // The line and that beside its name; dashes are lines of their own.
-            assert_eq!(of("#D55E00"), 2, "{marks:?}");
-            assert!(of("#0072B2") > 6, "{marks:?}: {}", of("#0072B2"));
+            let [eight, fifteen] = [8, 15].map(|count| pieces(count, marks));
+            assert!(eight[1] == 2 && eight[0] > 6, "{marks:?}: {eight:?}");
+            let (dashes, dots) = (eight[0] - 2, fifteen[0] - eight[0]);
+            assert!(dots > dashes * 3 / 2, "{marks:?}: {dashes} {dots}");
         }
+    }
+
+    /// Names below the axes are in as many columns as there is room for, and make no figure wider.
+    #[test]
+    fn names_are_in_columns() {
+        let figure = |letters: usize| {
+            let curve = Curve { name: "m".repeat(letters), points: vec![[0.0, 0.0], [1.0, 1.0]], ..Curve::default() };
+            LineFigure { curves: vec![curve; 4], ..LineFigure::default() }
+        };
+        assert_eq!([5, 40, 80].map(|letters| figure(letters).names().1), [1, 2, 4]);
+        assert!([5, 40, 80].iter().all(|letters| figure(*letters).size().0 == WIDTH));
+        let unnamed = LineFigure { notes: vec!["a note".to_owned()], ..figure(0) };
+        assert!(crate::figures::pixels(&unnamed).is_ok());
+    }
+
+    /// On logarithmic axes a power law is a straight line, and what is not greater than 0 has no place.
+    #[test]
+    fn a_power_law_is_straight_on_logarithmic_axes() {
+        let points = vec![[-1.0, 1.0], [0.001, 1e-6], [0.01, 1e-4], [0.1, 0.01]];
+        let figure =
+            LineFigure { curves: vec![Curve { points, ..Curve::default() }], is_log: true, ..LineFigure::default() };
+        let [x, y] = figure.bounds();
+        let axes = Axes { rectangle: [0, 0, 900, 900], x, y, is_log: true };
+        let [a, b, c] = [0.001, 0.01, 0.1].map(|x| axes.pixel([x, x * x]));
+        assert!((a.0 + c.0 - 2 * b.0).abs() <= 1 && (a.1 + c.1 - 2 * b.1).abs() <= 1, "{a:?} {b:?} {c:?}");
+        assert!(!axes.holds([-1.0, 1.0]) && a.0 >= 0 && c.0 <= 900);
     }
 }

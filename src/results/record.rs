@@ -80,6 +80,8 @@ impl Record {
     #[must_use]
     pub fn peak(&self, from: f64, to: f64) -> Option<(f64, f64)> {
         let samples = self.values.iter().enumerate().map(|(k, value)| (self.time(k), *value));
+        // Times are sums: one that is meant by its decimals may be off by some of their last digits.
+        let (from, to) = (from - SAME_TIME * self.interval, to + SAME_TIME * self.interval);
         samples.filter(|(time, _)| (from..=to).contains(time)).max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()))
     }
 
@@ -108,6 +110,9 @@ impl Record {
         self.integral(from, to) / (to - from)
     }
 }
+
+/// Times that differ by less than this, in intervals, are the same.
+const SAME_TIME: f64 = 1e-6;
 
 /// Periods of the cutoff by which the record is continued at its ends: what the filter remembers.
 const PERIODS: f64 = 3.0;
@@ -174,6 +179,9 @@ mod tests {
         let (time, value) = record.peak(1.5, 2.0005).expect("500 samples");
         assert!((time - 2.0).abs() < 1e-9 && (value - 4.0).abs() < 1e-6, "{time} {value}");
         assert_eq!(record.peak(6.0, 7.0), None);
+        // 0.001 is in no binary fraction.
+        let decimals = Record { start: 0.0, interval: 0.001, values: vec![0.0; 1000] };
+        assert!((1..1000).map(|k| f64::from(k) / 1000.0).all(|t| decimals.peak(t, t).is_some()));
     }
 
     #[test]

@@ -22,7 +22,12 @@ pub fn write_figures(plan: &Plan, rows: &[Row], folder: &Path) -> Result<Vec<(us
     for (k, spec) in plan.study.figures.iter().enumerate() {
         let (name, mut figure) = match (spec, &plan.drawn[k]) {
             (FigureSpec::Measure { of, over, by, logarithmic, .. }, _) => {
-                let figure = LineFigure { is_log: *logarithmic, ..measure(plan, rows, of, over, by.as_deref()) };
+                let mut figure = measure(plan, rows, of, over, by.as_deref());
+                figure.is_log = *logarithmic;
+                if figure.is_log {
+                    let has_place = |point: &[f64; 2]| point.iter().all(|value| *value > 0.0);
+                    figure.curves.iter_mut().for_each(|curve| curve.points.retain(has_place));
+                }
                 (format!("{of} over {}", label(plan, over)), figure)
             }
             (FigureSpec::Series { of, name, .. }, Drawn::Series(source)) => {
@@ -113,7 +118,9 @@ fn curves(plan: &Plan, rows: &[Row], k: usize, axes: [String; 2]) -> LineFigure 
 #[must_use]
 pub fn run_name(plan: &Plan, k: usize) -> String {
     let (run, all): (_, Vec<usize>) = (&plan.runs[k], (0..plan.varied.len()).collect());
-    if run.label.is_empty() { name(plan, run, &all) } else { run.label.clone() }
+    let shown = name(plan, run, &all);
+    let names = [&run.label, &shown, &run.name];
+    names.into_iter().find(|name| !name.is_empty()).cloned().unwrap_or_default()
 }
 
 /// The axes of a number over time.

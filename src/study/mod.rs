@@ -29,4 +29,4 @@ pub use left::{Finished, Left, look};
 pub use pace::time_left;
 pub use plan::{Drawn, Plan, PlannedRun, Source, Varied};
 pub use record::Record;
-pub use table::{Asked, Row, Table, escaped};
+pub use table::{Asked, Row, Table, escaped, figure_lines};

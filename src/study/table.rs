@@ -167,6 +167,8 @@ pub struct Asked<'a> {
     pub coarser: Option<&'a str>,
     /// Whether the range counts: coarse runs are judged by what is asked of them alone.
     pub is_judged: bool,
+    /// Whether the runs are coarse ones.
+    pub is_coarse: bool,
 }
 
 impl Asked<'_> {
@@ -181,14 +183,33 @@ impl Asked<'_> {
     pub fn cells(&self) -> [String; 5] {
         let verdict = match (self.is_missed(), self.is_judged) {
             (true, _) => "**missed**",
-            (_, false) => "not judged: coarse",
+            (_, false) => "not judged",
             _ => "met",
         };
+        let verdict = format!("{verdict}{}", if self.is_coarse { ": coarse" } else { "" });
         let by = self.coarser.map(|run| format!(", by {run}: the last run is not done")).unwrap_or_default();
         let seen = self.value.map_or_else(|| "–".to_owned(), short);
         let name = escaped(&labelled(self.name, self.unit));
-        [name, short(self.range.0), short(self.range.1), seen, escaped(&(verdict.to_owned() + &by))]
+        [name, short(self.range.0), short(self.range.1), seen, escaped(&(verdict + &by))]
     }
+}
+
+/// `figures`, files in `folder`, in Markdown.
+#[must_use]
+pub fn figure_lines(folder: &str, figures: &[String]) -> String {
+    let line = |figure: &String| {
+        let (name, path) = (figure.replace('_', " "), percent_encoded(&format!("{folder}{figure}")));
+        format!("\n![{}]({path})\n", name.trim_end_matches(".png"))
+    };
+    figures.iter().map(line).collect()
+}
+
+/// A path as a link of Markdown: blanks and brackets would end it.
+fn percent_encoded(path: &str) -> String {
+    let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || b"/._~=,+-".contains(&byte);
+    path.bytes()
+        .map(|byte| if is_plain(byte) { char::from(byte).to_string() } else { format!("%{byte:02X}") })
+        .collect()
 }
 
 /// A text in a cell of a table in Markdown.
@@ -289,13 +310,13 @@ impl Table<'_> {
     /// # Errors
     /// It cannot be written.
     pub fn write_markdown(&self, path: &Path, figures: &[String]) -> Result<(), UserError> {
-        let text = self.markdown("#", "", figures);
+        let text = self.markdown("#") + &figure_lines("", figures);
         replace(path, text.as_bytes()).map_err(|error| unwritable(path, &error))
     }
 
-    /// The page of the study: its title behind `level`, text, table, what was asked for, and `figures`, which lie below `folder`.
+    /// The page of the study: its title behind `level`, text, table, and what was asked for.
     #[must_use]
-    pub fn markdown(&self, level: &str, folder: &str, figures: &[String]) -> String {
+    pub fn markdown(&self, level: &str) -> String {
         let study = &self.plan.study;
         let title = if study.title.is_empty() { "A study" } else { &study.title };
         let mut text = format!("{level} {title}\n\n");
@@ -306,7 +327,8 @@ impl Table<'_> {
         if let Some(until) = study.until {
             let _ = write!(text, ", to t = {until} s");
         }
-        let _ = writeln!(text, ". Made by storegga {}.\n", env!("CARGO_PKG_VERSION"));
+        let coarse = if study.is_coarse { " Coarse runs." } else { "" };
+        let _ = writeln!(text, ". Made by storegga {}.{coarse}\n", env!("CARGO_PKG_VERSION"));
         for (k, line) in self.lines().iter().enumerate() {
             let cells: Vec<String> = line.iter().map(|cell| escaped(cell)).collect();
             let _ = writeln!(text, "| {} |", cells.join(" | "));
@@ -322,9 +344,6 @@ impl Table<'_> {
         }
         for (name, note) in notes {
             let _ = writeln!(text, "- `{name}`: {note}");
-        }
-        for figure in figures {
-            let _ = write!(text, "\n![{}]({folder}{figure})\n", figure.replace('_', " ").trim_end_matches(".png"));
         }
         text
     }
@@ -342,6 +361,7 @@ impl Table<'_> {
                 value: done.and_then(|k| self.rows[k].measure(m)),
                 coarser: done.filter(|k| k + 1 < self.rows.len()).map(|k| self.plan.runs[k].name.as_str()),
                 is_judged: !study.is_coarse || measure.asked_coarse.is_some(),
+                is_coarse: study.is_coarse,
             })
         });
         asked.collect()

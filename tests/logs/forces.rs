@@ -79,7 +79,9 @@ fn mistakes_are_named() {
         (&["--velocity", "1"], &["--width"]),
         (&["--velocity", "1", "--width", "1", "--phase", "watr"], &["watr", "did you mean `water`?"]),
         (&["--direction", "0,0"], &["not all 0"]),
-        (&["--window", "1000,2000"], &["no sample in the window", "the record reaches from 0 to"]),
+        (&["--window", "1000,2000"], &["--window 1000,2000", "the record reaches from 0 to 0.05 s"]),
+        (&["--window", "0.05,0.06"], &["--window 0.05,0.06", "the record reaches from 0 to 0.05 s"]),
+        (&["--steady", "5,6"], &["--steady 5,6", "the record reaches from 0 to 0.05 s"]),
     ] {
         let ran = folder.run(&[&["forces", "runs/tank.mcap"], arguments].concat());
         ran.ended_with(2);

@@ -136,7 +136,7 @@ fn the_page_shows_what_is_met_and_what_is_missed() {
     folder.write("other.ron", other.replace("asked: (30.0, 31.0)", "asked: (19.9, 20.1), asked_coarse: (30.0, 31.0)"));
     validate(&["--coarse", "--out", "runs/coarse"]).ended_with(1);
     let page = fs::read_to_string(folder.path("page.md")).unwrap();
-    assert_parts(&page, &["| 30 | 31 |", "**missed**"]);
+    assert_parts(&page, &["| 30 | 31 |", "**missed**: coarse", " Coarse runs.\n"]);
 }
 
 /// A study that is run alone changes its own part of the page and nothing else, whatever has become of the logs of the others.
@@ -148,6 +148,7 @@ fn the_page_keeps_the_parts_of_other_studies() {
     let page = || fs::read_to_string(folder.path("page.md")).unwrap();
     let whole = page();
     assert_parts(&whole, &["](page/other%20tank/figure_1"]);
+    assert!(!whole.contains("oarse"));
     fs::remove_dir_all(folder.path("runs/validation/other tank")).unwrap();
     fs::remove_file(folder.path("other tank.ron")).unwrap();
     folder.write("study.ron", GRID.replace("A family of tanks", "A family of vessels"));
@@ -160,7 +161,7 @@ fn the_page_keeps_the_parts_of_other_studies() {
     assert_eq!(figures.filter(|entry| entry.path().extension().is_some_and(|e| e == "png")).count(), 3);
 
     folder.write("page/other tank/section.json", "{}");
-    again().is_refused_with(&["page/other tank/section.json", "missing field", "delete the folder"]);
+    again().is_refused_with(&["page/other tank/section.json", "missing field", "delete what is there"]);
     fs::remove_dir_all(folder.path("page/other tank")).unwrap();
     again().ended_with(0);
     assert!(!page().contains("Another"));
@@ -189,7 +190,7 @@ fn mistakes_are_named_in_their_place() {
             "",
             "must be a number other than 0, got 0",
         ),
-        ("runs", "", r#"Field(of: "pressure", at: [0.05], runs: 0),"#, "study.ron:"),
+        ("runs", "", r#"Field(of: "pressure", at: [0.05], runs: 0),"#, "a whole number other than zero"),
         (
             "cutoff",
             r#"(name: "f", of: "energy.mass", cutoff: 0.0),"#,

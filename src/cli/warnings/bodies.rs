@@ -56,7 +56,7 @@ pub(super) fn thin_structures(world: &mut World) -> Vec<Invalid> {
     let message = |name: String| {
         let message = format!(
             "it is one or two spacings thin: a wall that holds fluid off has {reach} layers of ghosts, and fluid that stands against one side \
-             of it can be pressed through"
+             of it can be pressed through, unless a wall lies behind it"
         );
         Invalid::new(format!("structures.{name}.shape"), message)
     };
