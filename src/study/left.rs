@@ -52,7 +52,7 @@ pub fn look(run: &PlannedRun, log: &Path) -> Left {
                 has_diverged: how == "diverged",
                 time: told.entry("end", "time [s]").and_then(|time| time.parse().ok()).unwrap_or_default(),
                 steps: told.entry("end", "step").and_then(|step| step.parse().ok()).unwrap_or_default(),
-                record,
+                record: record.map(|record| record.of_run_that_ended(how)),
             }),
         },
         (_, how) => unfinished(run, log).unwrap_or_else(|| {

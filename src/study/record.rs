@@ -45,6 +45,14 @@ impl Record {
         fs::read(record_of(log)).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok())
     }
 
+    /// The record of a run whose log says `how` it ended. One that tells of another end is that of an earlier part, from where the run was
+    /// resumed by itself: how long that took, nobody knows.
+    #[must_use]
+    pub fn of_run_that_ended(self, how: &str) -> Self {
+        let wall_s = self.wall_s.filter(|_| self.end == how);
+        Self { wall_s, ..self }
+    }
+
     /// Writes the record beside `log`.
     ///
     /// # Errors

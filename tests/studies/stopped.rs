@@ -203,3 +203,17 @@ fn the_runs_of_a_killed_study_stop_and_go_on_later() {
     reference.study(&["--quiet", "--jobs", "2"]).ended_with(0);
     assert_eq!(values(&folder), values(&reference));
 }
+
+/// A run that was interrupted in its study and went on with `storegga resume` took longer than its first part.
+#[test]
+fn a_part_of_a_run_is_not_taken_for_the_whole() {
+    let folder = Folder::with_study("part", GRID);
+    folder.study(&[]).ended_with(0);
+    let took = |name: &str| folder.table()[name]["wall time [s]"].clone();
+    assert!(NAMES.iter().all(|name| took(name).parse::<f64>().is_ok()));
+    let record = folder.path(&format!("runs/study/{}.json", NAMES[1]));
+    let text = fs::read_to_string(&record).unwrap();
+    fs::write(&record, text.replace("\"done\"", "\"interrupted\"")).unwrap();
+    folder.study(&[]).ended_with(0);
+    assert_eq!((took(NAMES[1]), took(NAMES[0]).is_empty()), (String::new(), false));
+}
