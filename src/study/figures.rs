@@ -43,6 +43,10 @@ pub fn write_figures(plan: &Plan, rows: &[Row], folder: &Path) -> Result<Vec<(us
             continue;
         }
         let usually_line = matches!(spec, FigureSpec::Measure { .. });
+        if let (FigureSpec::Measure { of, .. }, [_, ..]) = (spec, spec.beside()) {
+            // A curve that is alone needs no name until something stands beside it.
+            figure.curves.iter_mut().filter(|curve| curve.name.is_empty()).for_each(|curve| curve.name.clone_from(of));
+        }
         figure.curves.extend(spec.beside().iter().map(|beside| beside.curve(usually_line)));
         names.push((k, write_figure(k, &name, &figure, folder)?));
     }
