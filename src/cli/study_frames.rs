@@ -18,11 +18,11 @@ pub(super) fn write(plan: &Plan, rows: &[Row], place: &Place) -> Result<Vec<(usi
             FigureSpec::Field { of, at, arrows, runs } => {
                 let look = Look { arrows: *arrows, range: None, view: None };
                 let drawn = &done[done.len().saturating_sub(runs.get())..];
-                let figure = field(plan, place, drawn, (of, at, look))?;
+                let figure = field(plan, place, drawn, of, at, look)?;
                 names.push((k, write_figure(k, of, &figure, &place.folder)?));
             }
             FigureSpec::Profile { of, at, beside } => {
-                let figure = profile(plan, place, *last, (of, at, beside))?;
+                let figure = profile(plan, place, *last, of, at, beside)?;
                 names.push((k, write_figure(k, of, &figure, &place.folder)?));
             }
             _ => {}
@@ -41,7 +41,9 @@ fn field(
     plan: &Plan,
     place: &Place,
     runs: &[usize],
-    (of, at, look): (&str, &[f64], Look),
+    of: &str,
+    at: &[f64],
+    look: Look,
 ) -> Result<FieldFigure, UserError> {
     let of_run = |run: &usize| {
         let results = results(plan, place, *run)?;
@@ -66,7 +68,9 @@ fn profile(
     plan: &Plan,
     place: &Place,
     run: usize,
-    (of, at, beside): (&str, &[f64], &[Beside]),
+    of: &str,
+    at: &[f64],
+    beside: &[Beside],
 ) -> Result<LineFigure, UserError> {
     let mut figure = profiles::figure(&results(plan, place, run)?, of, at)?;
     figure.curves.extend(beside.iter().map(|beside| beside.curve(false)));

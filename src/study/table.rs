@@ -4,6 +4,8 @@ use std::fmt::Write;
 use std::io;
 use std::path::Path;
 
+use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
+
 use super::{Drawn, Finished, Plan, Source};
 use crate::error::UserError;
 use crate::figures::labelled;
@@ -198,19 +200,23 @@ impl Asked<'_> {
 #[must_use]
 pub fn figure_lines(folder: &str, figures: &[String]) -> String {
     let line = |figure: &String| {
-        let (name, path) = (figure.replace('_', " "), percent_encoded(&format!("{folder}{figure}")));
-        format!("\n![{}]({path})\n", name.trim_end_matches(".png"))
+        let (name, path) = (figure.replace('_', " "), format!("{folder}{figure}"));
+        let link = utf8_percent_encode(&path, PLAIN);
+        format!("\n![{}]({link})\n", name.trim_end_matches(".png"))
     };
     figures.iter().map(line).collect()
 }
 
-/// A path as a link of Markdown: blanks and brackets would end it.
-fn percent_encoded(path: &str) -> String {
-    let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || b"/._~=,+-".contains(&byte);
-    path.bytes()
-        .map(|byte| if is_plain(byte) { char::from(byte).to_string() } else { format!("%{byte:02X}") })
-        .collect()
-}
+/// What stands in a link of Markdown as it is: blanks and brackets would end it.
+const PLAIN: &AsciiSet = &NON_ALPHANUMERIC
+    .remove(b'/')
+    .remove(b'.')
+    .remove(b'_')
+    .remove(b'~')
+    .remove(b'=')
+    .remove(b',')
+    .remove(b'+')
+    .remove(b'-');
 
 /// A text in a cell of a table in Markdown.
 pub fn escaped(text: &str) -> String {
