@@ -10,8 +10,8 @@ use crate::outputs::{OutputKind, OutputTimes};
 use crate::particles::{Fluid, Solid, Wall};
 use crate::phases::phases;
 use crate::physics::{
-    AT_SURFACE, CLEAR_FILLING, EquationOfState, GREATEST_COMPRESSION, LEAST_DETERMINANT, LEAST_FILLING, LEAST_RATIO,
-    LONGEST_SHIFT, NEAR_SURFACE, fullness_in_front,
+    AT_SURFACE, BEHIND, CLEAR_FILLING, EquationOfState, GREATEST_COMPRESSION, LEAST_DETERMINANT, LEAST_FILLING,
+    LEAST_RATIO, LONGEST_SHIFT, NEAR_SURFACE, fullness_in_front,
 };
 use crate::probes::{CLUMPED, DEPTH, DRY, FULL, LEAST_SHARE, RIM};
 use crate::scene::{Resolution, SceneInfo, WALL_CLEARANCE};
@@ -105,6 +105,7 @@ pub fn fixed_numbers(world: &World) -> Vec<Fact> {
         ("shifting.longest", "smoothing lengths", LONGEST_SHIFT),
         ("wall_impact.phi_0", "", phi_0),
         ("wall_impact.phi_1", "", phi_1),
+        ("wall_impact.behind", "spacings", BEHIND),
         ("strain_rate.least_determinant", "", LEAST_DETERMINANT),
         ("diffusion.antuono.least_ratio", "", LEAST_RATIO),
         ("probes.pressure_point.dry_beyond", "spacings", DRY),

@@ -45,11 +45,10 @@ impl PeriodicSides {
         let sides = self.0;
         let shifts = move |axis: usize| {
             let period = sides[axis].map_or(0.0, |(from, to)| to - from);
-            if period > 0.0 { vec![0.0, -period, period] } else { vec![0.0] }
+            [0.0, -period, period].into_iter().take(if period > 0.0 { 3 } else { 1 })
         };
-        let shifts = shifts(0).into_iter().flat_map(move |x| {
-            shifts(1).into_iter().flat_map(move |y| shifts(2).into_iter().map(move |z| DVec3::new(x, y, z)))
-        });
+        let shifts =
+            shifts(0).flat_map(move |x| shifts(1).flat_map(move |y| shifts(2).map(move |z| DVec3::new(x, y, z))));
         shifts.filter(|shift| *shift != DVec3::ZERO).map(move |shift| position + shift)
     }
 

@@ -1,31 +1,40 @@
 //! Pressure with which walls and structures stop fluid that comes too near to them.
 //!
-//! `p^w_i = s_i ρ_i c_i u_i`, with the speed of approach `u_i = 2h max(Σ_b V_b v_ib·∇_iW_ib, 0)`, b over the ghosts of walls
+//! `p^w_i = ρ_i c_i (s_i u_i + c_i d_i/dp)`, with the speed of approach `u_i = 2h max(Σ_b V_b v_ib·∇_iW_ib, 0)`, b over the ghosts of walls
 //! and structures, v_ib against the velocity v_w of the wall. It is the dissipative part ½ρc(u_L − u_R) of the linearised
 //! Riemann problem between a particle and its mirror image in the wall (Zhang, Hu & Adams 2017, J. Comput. Phys. 335),
 //! and drives particle and ghost apart like a pressure of both: `−p^w_i (V_i² + V_b²) ∇_iW_ib`. (`2h |Σ_b V_b ∇_iW_ib|` is near 1
 //! beside a flat wall.)
 //!
-//! It acts on what is nearer to a flat wall than the first layer of a fluid at rest, half a spacing, and leaves all else
+//! s_i makes it act on what is nearer to a flat wall than the first layer of a fluid at rest, half a spacing, and leave all else
 //! alone (in a corner, which fills more of a neighbourhood, it damps the first layer's approach as well):
 //! `s_i = min(max((φ_i − φ_0)/(φ_1 − φ_0), 0), 1)`. `φ_i = −(1/d) Σ_b V_b r_ib·∇_iW_ib` is how much of the particle's neighbourhood the
 //! wall takes up: ½ on the surface of a flat wall, φ_0 and φ_1 0.45 and 0.25 spacings in front of it. (The
 //! two distances come from trials on the shipped dam break, not from the literature.)
 //!
-//! Without it jets leak: in a thin sheet density follows the diffusion and the neighbours that the sheet has lost, and
-//! no longer tells how near the wall is. It damps and does not push back: a particle may come to rest on the surface itself.
+//! What has come behind the surface is pushed back: `d_i` is how deep it is in the wall (m), as the shape of the wall has it, and the wall as
+//! stiff there as the fluid is, so that a particle that arrives with u comes in by about `u/c √(dp h)`. A particle deeper than a spacing
+//! has not come through the surface, and has `d_i = 0`. The spring is no literature's either: without it grains of the shipped flume ended
+//! in its wall, and went round with it.
+//!
+//! Without p^w jets leak: in a thin sheet density follows the diffusion and the neighbours that the sheet has lost, and
+//! no longer tells how near the wall is.
 
 use std::f64::consts::PI;
 
 use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
+use glam::DVec3;
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::EquationOfState;
 use super::near_ghosts::{NearGhosts, half_space};
+use crate::boundary::{BodyShape, Motion};
+use crate::clock::Clock;
 use crate::kernels::SmoothingKernel;
-use crate::neighbours::Neighbours;
+use crate::neighbours::{Neighbours, PeriodicSides};
 use crate::particles::{
     Density, Fluid, GRAIN, PIECE, Position, ReferenceDensity, Solid, Velocity, Volume, Wall, WallVelocity, columns,
 };
@@ -37,7 +46,7 @@ use crate::scene::{Resolution, SceneSettings};
 pub enum WallImpact {
     /// Ghost pressure (Eq. 15) alone, as in the paper: thin jets can enter walls.
     Off,
-    /// With the impact pressure of the one-sided Riemann problem.
+    /// With the impact pressure of the one-sided Riemann problem, and a spring that pushes out what has come in.
     #[default]
     Riemann,
 }
@@ -61,13 +70,18 @@ impl ImpactPressures {
 }
 
 /// Σ_b of one fluid particle.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 struct Sums {
     /// Σ_b V_b v_ib·∇_iW_ib (1/s).
     approach: f64,
     /// −Σ_b V_b r_ib·∇_iW_ib.
     fullness: f64,
+    /// |r_ib|² (m²) of the nearest ghost.
+    nearest: f64,
 }
+
+/// What is behind the surface of a body has a ghost so near (in spacings): half the diagonal of a cell. What rests on the surface has none.
+pub(crate) const BEHIND: f64 = 0.87;
 
 /// Computes p^w of every fluid particle.
 pub fn wall_impact(
@@ -81,12 +95,13 @@ pub fn wall_impact(
     fluid: Query<(&Position, &Velocity, &Density, &ReferenceDensity), With<Fluid>>,
     walls: Query<(&Position, &WallVelocity, &Volume), With<Wall>>,
     structures: Query<(&Position, &WallVelocity, &Volume), With<Solid>>,
+    depth: Depth,
 ) {
     if *setting == WallImpact::Off {
         impact.0.clear();
         return;
     }
-    let (dimension, h) = (resolution.dimension, resolution.smoothing_length);
+    let (dimension, dp, h) = (resolution.dimension, resolution.spacing, resolution.smoothing_length);
     let [phi_0, phi_1] = *layers.get_or_insert_with(|| fullness_in_front(&kernel, &resolution));
     let [walls, structures]: [(&[Position], &[WallVelocity], &[Volume]); 2] = [columns(&walls), columns(&structures)];
     let ghosts = NearGhosts {
@@ -99,17 +114,40 @@ pub fn wall_impact(
     impact.0.resize(x.len(), 0.0);
     let each = impact.0.par_iter_mut().with_min_len(GRAIN).with_max_len(PIECE).enumerate();
     each.for_each(|(i, impact)| {
-        let mut sums = Sums::default();
+        let mut sums = Sums { approach: 0.0, fullness: 0.0, nearest: f64::INFINITY };
         ghosts.each(x[i].0, neighbours.fluid.of(i).ghosts, |(v_w, volume), b, r_ib, gradient| {
             let volume_grad_w = r_ib * (gradient * volume[b].0);
             sums.approach += (v[i].0 - v_w[b].0).dot(volume_grad_w);
             sums.fullness -= r_ib.dot(volume_grad_w);
+            sums.nearest = sums.nearest.min(r_ib.length_squared());
         });
         let phi = sums.fullness / dimension as f64;
         let s = ((phi - phi_0) / (phi_1 - phi_0)).clamp(0.0, 1.0);
         let u = 2.0 * h * sums.approach.max(0.0);
-        *impact = s * rho[i].0 * state.sound_speed(rho0[i].0) * u;
+        let c = state.sound_speed(rho0[i].0);
+        let d = if sums.nearest < (BEHIND * dp).powi(2) { depth.of(x[i].0) } else { 0.0 };
+        *impact = rho[i].0 * c * (s * u + c * d / dp);
     });
+}
+
+/// How deep particles are in walls and structures.
+#[derive(SystemParam)]
+pub struct Depth<'w, 's> {
+    clock: Res<'w, Clock>,
+    resolution: Res<'w, Resolution>,
+    periodic: Res<'w, PeriodicSides>,
+    bodies: Query<'w, 's, (&'static BodyShape, &'static Motion)>,
+}
+
+impl Depth<'_, '_> {
+    /// d (m) of a particle at `x`: how far it is behind the surface of a wall or structure; nothing in front of all or deeper than a spacing.
+    fn of(&self, x: DVec3) -> f64 {
+        let depths = self.bodies.iter().map(|(body, motion)| {
+            let at_rest = motion.at(self.clock.time).map_or(x, |now| self.periodic.wrap(now.inverse().rest_of(x)));
+            -body.clearance_through(&self.periodic, at_rest)
+        });
+        depths.filter(|depth| *depth <= self.resolution.spacing).fold(0.0, f64::max)
+    }
 }
 
 /// φ_0 and φ_1 of the run.

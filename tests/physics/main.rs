@@ -30,5 +30,6 @@ mod tensile_control;
 mod time_step;
 mod twin;
 mod viscous_forces;
+mod wall_impact;
 mod wall_shear;
 mod walls;
