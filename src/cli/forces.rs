@@ -64,8 +64,7 @@ fn part(name: &str, (from, to): (f64, f64), whole: (f64, f64)) -> Result<(f64, f
 /// What is judged, and how.
 fn head(raw: &Record, cutoff: f64, window: (f64, f64), steady: (f64, f64)) -> String {
     format!(
-        "  record      {} to {} s, {} samples, one every {} s\n  filter      Butterworth, second order forward and backward (no lag; as SAE \
-         J211), cutoff {} Hz\n  peaks       and impulse from {} to {} s\n  mean        from {} to {} s\n",
+        "  record      {} to {} s, {} samples, one every {} s\n  filter      Butterworth, second order forward and backward (no lag), cutoff {} Hz\n  peaks       and impulse from {} to {} s\n  mean        from {} to {} s\n",
         short(raw.start),
         short(raw.end()),
         count(raw.values.len() as u64),

@@ -66,17 +66,17 @@ impl Seen {
     fn of(results: &Results, phase: usize, direction: [f64; 3]) -> Result<Self, UserError> {
         let facts = &results.facts;
         let mut seen: Option<Self> = None;
-        let outline = |frame: &Frame| upper_surface(frame, phase, facts.dimension, facts.spacing);
+        let outline = |frame: &Frame| upper_surface(frame, phase, facts.up, facts.spacing);
         let read = results.frames(
             PARTICLES,
             |_| true,
             |_, frame| {
-                let height = center_height(&frame, phase, facts.dimension).unwrap_or(f64::NAN);
+                let height = center_height(&frame, phase, facts.up).unwrap_or(f64::NAN);
                 let seen = seen.get_or_insert_with(|| Self {
                     extents: Vec::new(),
                     heights: [height; 2],
                     outlines: [outline(&frame), Vec::new()],
-                    envelope: Envelope::from(&frame, facts.dimension, facts.spacing),
+                    envelope: Envelope::from(&frame, facts.dimension, facts.up, facts.spacing),
                 });
                 seen.extents.extend(Extent::of(&frame, phase, direction));
                 seen.heights[1] = height;
@@ -100,6 +100,11 @@ impl Seen {
         });
         between.max_by(|a, b| a.0.total_cmp(&b.0))
     }
+}
+
+/// The level axis beside x.
+fn across(results: &Results) -> &'static str {
+    if results.facts.up == 1 && results.facts.dimension == 3 { "z" } else { "y" }
 }
 
 fn told(args: &RunoutArgs, results: &Results, name: &str, seen: &Seen) -> String {
@@ -146,7 +151,11 @@ fn told(args: &RunoutArgs, results: &Results, name: &str, seen: &Seen) -> String
                 "  {word} wave elevation: {} m at x = {} m{}, {} s\n",
                 short(elevation),
                 short(place[0]),
-                if results.facts.dimension == 3 { format!(", y = {} m", short(place[1])) } else { String::new() },
+                if results.facts.dimension == 3 {
+                    format!(", {} = {} m", across(results), short(place[1]))
+                } else {
+                    String::new()
+                },
                 short(time)
             ));
         }
@@ -208,7 +217,8 @@ fn write(results: &Results, name: &str, seen: &Seen, out: &Out) -> Result<(), Us
     table(out, &format!("{name}_outline.csv"), &["x [m]", "height [m]"], rows)?;
     let rows =
         seen.envelope.columns().map(|([x, y], of)| vec![x, y, of.highest.0, of.highest.1, of.lowest.0, of.lowest.1]);
-    let names = ["x [m]", "y [m]", "highest [m]", "time of highest [s]", "lowest [m]", "time of lowest [s]"];
+    let across = format!("{} [m]", across(results));
+    let names = ["x [m]", &across, "highest [m]", "time of highest [s]", "lowest [m]", "time of lowest [s]"];
     table(out, "wave_envelope.csv", &names, rows)
 }
 

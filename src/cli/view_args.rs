@@ -108,7 +108,7 @@ pub(super) struct PlotArgs {
 Examples:
   storegga forces runs/cylinder_drag.mcap --velocity 0.2 --width 0.1 --phase water --steady 2,3
   storegga forces runs/pipe_impact.mcap --velocity 2 --width 0.05 --phase mud --window 0.1,0.4
-  storegga forces runs/rotating_flume.mcap --arm 0.8 --velocity 0.38 --width 0.02 --phase sand --cutoff 5
+  storegga forces runs/rotating_flume.mcap --arm 0.8 --velocity 0.38 --width 0.02 --phase sand --cutoff 5 --window 5.4,8.7 --steady 7.2,8.6
 
 Forces are those of the log: of the fluid on the structure, in 2D per metre where the scene gives it no length.
 C = F/(½ρU²A), with A = D times the structure's length (1 m where it has none). Re = ρU²/τ with τ of the phase at γ̇ = U/D.
@@ -183,7 +183,7 @@ pub(super) struct Look {
     /// Least and greatest value of the scale of colours, in the unit of the field.
     #[arg(long, value_name = "LEAST,GREATEST", value_parser = range, allow_hyphen_values = true)]
     pub range: Option<(f64, f64)>,
-    /// Plane of the picture; in space the nearest particles hide those behind. By default xy in the plane, xz in space.
+    /// Plane of the picture; in space the nearest particles hide those behind. By default xy in the plane; in space xz, or xy where gravity acts along y.
     #[arg(long, value_enum)]
     pub view: Option<View>,
 }

@@ -15,7 +15,7 @@ mod vtk;
 pub use facts::RunFacts;
 pub use fit::Fit;
 pub use frame::{Frame, FrameField};
-pub use profile::{line_profile, upper_surface, vertical_axis};
+pub use profile::{line_profile, upper_surface};
 pub use record::Record;
 pub use runout::{BULK, COLUMN, Envelope, Extent, Extremes, center_height};
 pub use series::{SeriesField, TimeSeries};

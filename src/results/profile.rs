@@ -6,20 +6,13 @@ use glam::DVec3;
 
 use super::Frame;
 
-/// Which way is up: y in the plane, z in space.
-#[must_use]
-pub fn vertical_axis(dimension: usize) -> usize {
-    if dimension == 2 { 1 } else { 2 }
-}
-
-/// The upper surface of a phase: places one `spacing` (m) apart along x, and the height (m) of the top of the highest particle within
+/// The upper surface of a phase, with the axis `up`: places one `spacing` (m) apart along x, and the height (m) of the top of the highest particle within
 /// one spacing of each, half a spacing above its centre. Places without a particle are left out.
 ///
 /// Grains, drops and threads do not count: particles with less than five others of the phase within two spacings. In space it is the highest
-/// over all y.
+/// over all places beside x.
 #[must_use]
-pub fn upper_surface(frame: &Frame, phase: usize, dimension: usize, spacing: f64) -> Vec<[f64; 2]> {
-    let up = vertical_axis(dimension);
+pub fn upper_surface(frame: &Frame, phase: usize, up: usize, spacing: f64) -> Vec<[f64; 2]> {
     let of_phase = frame.positions().zip(frame.values("phase")).filter(|(_, of)| **of == phase as f64);
     let positions: Vec<[f64; 3]> = of_phase.map(|(x, _)| x).collect();
     let mut heights = BTreeMap::new();
@@ -125,7 +118,7 @@ mod tests {
     #[test]
     fn the_surface_of_a_block_is_its_top() {
         for (phase, top) in [(0, 0.5), (1, 1.0)] {
-            let surface = upper_surface(&block(), phase, 2, 0.05);
+            let surface = upper_surface(&block(), phase, 1, 0.05);
             assert_eq!(surface.len(), 21);
             assert!(surface.iter().all(|[_, height]| (height - top).abs() < 1e-12), "{surface:?}");
             assert!((surface[3][0] - 0.15).abs() < 1e-12);
@@ -144,10 +137,10 @@ mod tests {
             values.extend(above.iter().map(|(x, y)| [*x, *y, 1.0, 0.0][value]));
         }
         frame.count += above.len();
-        let surface = upper_surface(&frame, 1, 2, 0.05);
+        let surface = upper_surface(&frame, 1, 1, 0.05);
         // The foot of the thread has the block below it.
         assert!(surface.iter().all(|[_, height]| *height > 0.999 && *height < 1.11), "{surface:?}");
-        assert_eq!(upper_surface(&block(), 1, 2, 0.05).len(), surface.len());
+        assert_eq!(upper_surface(&block(), 1, 1, 0.05).len(), surface.len());
     }
 
     #[test]

@@ -43,7 +43,7 @@ impl Record {
     }
 
     /// Without what is faster than `cutoff` (Hz): a Butterworth filter of second order run forward and backward, so of fourth order in
-    /// all and without lag, as the channel classes of SAE J211 ask for. At the cutoff half of an oscillation is left,
+    /// all and without lag, as the channel classes of SAE J211 ask for. At the cutoff half of an oscillation is left (−6 dB),
     /// `|H| = 1/(1 + (f/f_c)⁴)`. Beyond its ends the record goes on as its image turned about the end.
     ///
     /// # Errors

@@ -63,7 +63,7 @@ pub(in crate::cli) fn figure(
     look: Look,
 ) -> Result<FieldFigure, UserError> {
     let facts = &results.facts;
-    let view = look.view.unwrap_or(if facts.dimension == 2 { View::Xy } else { View::Xz });
+    let view = look.view.unwrap_or(if facts.up == 1 { View::Xy } else { View::Xz });
     let is_log = name == "viscosity";
     let mut panels = Vec::new();
     let mut unit = String::new();

@@ -7,7 +7,7 @@ use super::{Out, numbers, unknown};
 use crate::error::UserError;
 use crate::figures::{Curve, LineFigure, labelled};
 use crate::number::short;
-use crate::results::{Frame, PARTICLES, Results, line_profile, upper_surface, vertical_axis};
+use crate::results::{Frame, PARTICLES, Results, line_profile, upper_surface};
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
@@ -38,7 +38,6 @@ pub(super) fn draw(
 pub(in crate::cli) fn figure(results: &Results, wanted: &str, times: &[f64]) -> Result<LineFigure, UserError> {
     let profile = parse(results, wanted)?;
     let facts = &results.facts;
-    let up = vertical_axis(facts.dimension);
     let mut figure = LineFigure { title: facts.title.clone(), ..LineFigure::default() };
     for number in numbers(results, PARTICLES, times)? {
         let frame = results.frame(PARTICLES, number).map_err(|error| UserError::plain(error.to_string()))?;
@@ -46,9 +45,9 @@ pub(in crate::cli) fn figure(results: &Results, wanted: &str, times: &[f64]) -> 
         let (axes, points) = match &profile {
             Profile::Surface(phase) => (
                 ["x (m)".to_owned(), format!("surface of {} (m)", facts.phases[*phase])],
-                upper_surface(&frame, *phase, facts.dimension, facts.spacing),
+                upper_surface(&frame, *phase, facts.up, facts.spacing),
             ),
-            Profile::Line(field, fixed, at) => line(&frame, field, (*fixed, *at), up, facts.spacing)?,
+            Profile::Line(field, fixed, at) => line(&frame, field, (*fixed, *at), facts.up, facts.spacing)?,
         };
         figure.axes = axes;
         figure.curves.push(Curve { name: format!("t = {} s", short(frame.time)), points, ..Curve::default() });
