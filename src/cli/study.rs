@@ -20,7 +20,9 @@ use crate::checkpoint::program_checksum;
 use crate::error::UserError;
 use crate::log::is_being_written;
 use crate::scene::available_memory;
-use crate::study::{Ended, Event, Left, Limits, Place, Plan, Row, Study, Table, Task, execute, look, write_figures};
+use crate::study::{
+    Ended, Event, FigureFile, Left, Limits, Place, Plan, Row, Study, Table, Task, caption, execute, look, write_figures,
+};
 
 /// Runs what is not done of a study, and makes its table and figures.
 pub(super) fn study<P: PluginGroup>(args: &StudyArgs, plugins: fn() -> P) -> Result<ExitCode, UserError> {
@@ -41,8 +43,8 @@ pub(super) fn study<P: PluginGroup>(args: &StudyArgs, plugins: fn() -> P) -> Res
 pub(super) struct Done {
     pub plan: Plan,
     pub rows: Vec<Row>,
-    /// Names of the figures as PNG.
-    pub figures: Vec<String>,
+    /// The figures as PNG.
+    pub figures: Vec<FigureFile>,
     pub code: u8,
 }
 
@@ -92,7 +94,8 @@ fn carried_out(plan: Plan, place: &Place, shares: &Shares, how: &How, stop: &Sto
         }
     };
     figures.sort();
-    let figures: Vec<String> = figures.into_iter().map(|(_, name)| name).collect();
+    let described = |(k, file): (usize, String)| FigureFile { number: k + 1, file, caption: caption(&plan, k) };
+    let figures: Vec<FigureFile> = figures.into_iter().map(described).collect();
     let table = Table { plan: &plan, rows: &rows };
     table.write_csv(&place.folder.join("table.csv"))?;
     table.write_markdown(&place.folder.join("table.md"), &figures)?;
@@ -295,12 +298,12 @@ fn code(rows: &[Row], is_refused: bool, is_left: bool, stop: &StopFlag) -> u8 {
 }
 
 /// The table on a terminal, and what was written.
-fn shown(table: &Table<'_>, folder: &Path, figures: &[String]) -> String {
+fn shown(table: &Table<'_>, folder: &Path, figures: &[FigureFile]) -> String {
     let mut lines = table.lines().into_iter();
     let head = lines.next().unwrap_or_default();
     let mut text = Text::new(head.iter().map(String::as_str));
     lines.for_each(|line| text.push(line));
-    let files = ["table.csv", "table.md"].into_iter().chain(figures.iter().map(String::as_str));
+    let files = ["table.csv", "table.md"].into_iter().chain(figures.iter().map(|figure| &*figure.file));
     let files: String = files.map(|file| format!("{}\n", folder.join(file).display())).collect();
     text.render() + &files
 }

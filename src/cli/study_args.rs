@@ -78,7 +78,7 @@ is missed is shown as missed. Studies that were stopped go on when it is started
 of other studies stays: it is kept in section.json beside their figures.
 
 Exit codes: 0 everything was done and met, 1 something was missed or a run failed, 2 a mistake in a study or a scene or output that cannot
-be written, 3 a run diverged, 130 interrupted. Coarse values are not judged.")]
+be written, 3 a run diverged, 130 interrupted. Coarse runs are judged by `asked_coarse` alone.")]
 pub(super) struct ValidateArgs {
     /// Study files, or folders with them.
     #[arg(default_value = "studies")]

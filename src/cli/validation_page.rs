@@ -11,7 +11,7 @@ use super::export::unwritable;
 use super::study::Done;
 use crate::error::UserError;
 use crate::replace::replace;
-use crate::study::{Row, Table, escaped, figure_lines};
+use crate::study::{FigureFile, Row, Table, escaped, figure_lines};
 
 /// Name of the file with the part of a study.
 const SECTION: &str = "section.json";
@@ -21,14 +21,16 @@ const SECTION: &str = "section.json";
 #[serde(deny_unknown_fields)]
 struct Section {
     title: String,
+    /// Its place on the page, before its name.
+    order: u32,
     /// What was asked for and what came out, as cells.
     asked: Vec<Vec<String>>,
     /// Numbers of runs: all, those that are done, that diverged or failed, that are not done.
     runs: [usize; 4],
     /// Its Markdown, by lines.
     lines: Vec<String>,
-    /// Names of its figures, which lie beside this file.
-    figures: Vec<String>,
+    /// Its figures, whose files lie beside this one.
+    figures: Vec<FigureFile>,
 }
 
 /// Writes the parts of the studies that were `done`, copies their figures from their folders in `runs`, and writes the page of all studies
@@ -55,7 +57,7 @@ pub(super) fn figure_folder(page: &Path) -> PathBuf {
 }
 
 /// Puts the figures of a study beside the page, in the place of what was there.
-fn copy_figures(from: &Path, to: &Path, figures: &[String]) -> Result<(), UserError> {
+fn copy_figures(from: &Path, to: &Path, figures: &[FigureFile]) -> Result<(), UserError> {
     let fail = |error: std::io::Error| unwritable(to, &error);
     fs::create_dir_all(to).map_err(fail)?;
     for entry in fs::read_dir(to).map_err(fail)?.flatten() {
@@ -63,8 +65,8 @@ fn copy_figures(from: &Path, to: &Path, figures: &[String]) -> Result<(), UserEr
             fs::remove_file(entry.path()).map_err(fail)?;
         }
     }
-    for figure in figures {
-        fs::copy(from.join(figure), to.join(figure)).map_err(fail)?;
+    for FigureFile { file, .. } in figures {
+        fs::copy(from.join(file), to.join(file)).map_err(fail)?;
     }
     Ok(())
 }
@@ -75,7 +77,7 @@ pub(super) fn refuse_unreadable(page: &Path) -> Result<(), UserError> {
     if folder.exists() { sections(&folder).map(drop) } else { Ok(()) }
 }
 
-/// The parts in the folder beside the page, by name.
+/// The parts in the folder beside the page, in the order of the page.
 fn sections(folder: &Path) -> Result<Vec<(String, Section)>, UserError> {
     let unreadable = |path: &Path, why: &dyn std::fmt::Display| {
         UserError::plain(format!("cannot read {}: {why}", path.display()))
@@ -90,7 +92,7 @@ fn sections(folder: &Path) -> Result<Vec<(String, Section)>, UserError> {
             sections.push((entry.file_name().to_string_lossy().into_owned(), section));
         }
     }
-    sections.sort_by(|a: &(String, Section), b| a.0.cmp(&b.0));
+    sections.sort_by(|a: &(String, Section), b| (a.1.order, &a.0).cmp(&(b.1.order, &b.0)));
     Ok(sections)
 }
 
@@ -101,6 +103,7 @@ impl Section {
         let title = &done.plan.study.title;
         let count = |is: fn(&Row) -> bool| done.rows.iter().filter(|row| is(row)).count();
         Self {
+            order: done.plan.study.order,
             title: escaped(if title.is_empty() { name } else { title }),
             asked: table.asked().iter().map(|asked| asked.cells().to_vec()).collect(),
             runs: [
@@ -117,8 +120,8 @@ impl Section {
 
 /// The page, the figures of whose parts, by name, are below `folder`.
 fn written(sections: &[(String, Section)], folder: &str) -> String {
-    let mut text = "# Validation\n\nWritten by `storegga validate`: every number below is what its runs gave. Each section is a study, and can \
-         be run alone (`storegga validate FILE --page …`). `took` is real time, on the threads that a run had and beside whatever else \
+    let mut text = "# Validation\n\nWritten by `storegga validate`: tables and figures are what the runs gave, and the words above them are those of the \
+         study files. Each section is a study, and can be run alone (`storegga validate FILE --page …`). `took` is real time, on the threads that a run had and beside whatever else \
          went on.\n\n\
          | case | asked of the last run that is done | at least | at most | seen | |\n|---|---|---|---|---|---|\n"
         .to_owned();

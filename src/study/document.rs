@@ -26,7 +26,8 @@ use crate::scene::document::{Kind, Node};
 use crate::scene::{Document, Invalid, Setting, clean, open_document, read_text, settings, unknown};
 
 /// Fields of a study.
-const FIELDS: [&str; 10] = ["title", "text", "scene", "until", "set", "vary", "coarse", "names", "measures", "figures"];
+const FIELDS: [&str; 11] =
+    ["title", "text", "order", "scene", "until", "set", "vary", "coarse", "names", "measures", "figures"];
 
 /// A study, as read.
 #[derive(Debug, Clone)]
@@ -35,6 +36,8 @@ pub struct Study {
     pub title: String,
     /// What there is to say of it, in Markdown; may be empty.
     pub text: String,
+    /// Its place on the page of all studies: small numbers first, and equal ones by name.
+    pub order: u32,
     /// Whether the coarse values are meant.
     pub is_coarse: bool,
     /// The scene, from the folder of the program.
@@ -187,6 +190,7 @@ impl Study {
         let mut study = Self {
             title: optional(&document, "title")?,
             text: optional::<Vec<String>>(&document, "text")?.join(" "),
+            order: optional(&document, "order")?,
             is_coarse,
             scene: clean(&folder.join(scene)),
             until: optional(&document, "until")?,

@@ -2,15 +2,52 @@
 
 use std::path::Path;
 
+use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
+use serde::{Deserialize, Serialize};
+
 use super::document::FigureSpec;
 use super::names::safe;
-use super::{Drawn, Plan, PlannedRun, Row, Source};
+use super::{Drawn, Plan, PlannedRun, Row, Source, escaped};
 use crate::error::UserError;
 use crate::figures::{Curve, Figure, LineFigure, Marks, labelled, save};
 use crate::number::short;
 
 /// Formats of figures, by the endings of their files.
 const FORMATS: [&str; 2] = ["png", "svg"];
+
+/// A figure of a study.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FigureFile {
+    /// Its number among the figures of the study, from 1.
+    pub number: usize,
+    /// Name of the PNG file.
+    pub file: String,
+    /// What it shows.
+    pub caption: String,
+}
+
+/// `figures`, files in `folder`, in Markdown, with what they show below them.
+#[must_use]
+pub fn figure_lines(folder: &str, figures: &[FigureFile]) -> String {
+    let line = |FigureFile { number, file, caption }: &FigureFile| {
+        let path = format!("{folder}{file}");
+        let (link, caption) = (utf8_percent_encode(&path, PLAIN), escaped(caption));
+        format!("\n![Figure {number}: {caption}]({link})\n\n*Figure {number}: {caption}.*\n")
+    };
+    figures.iter().map(line).collect()
+}
+
+/// What stands in a link of Markdown as it is: blanks and brackets would end it.
+const PLAIN: &AsciiSet = &NON_ALPHANUMERIC
+    .remove(b'/')
+    .remove(b'.')
+    .remove(b'_')
+    .remove(b'~')
+    .remove(b'=')
+    .remove(b',')
+    .remove(b'+')
+    .remove(b'-');
 
 /// Draws the figures of a study into `folder`, as PNG and SVG, as far as its runs are done. Returns numbers of
 /// figures and names of their PNG files.
@@ -64,6 +101,30 @@ pub fn write_figure(k: usize, name: &str, figure: &impl Figure, folder: &Path) -
         save(figure, &path).map_err(|what| UserError::plain(format!("cannot write {}: {what}", path.display())))?;
     }
     Ok(format!("{name}.{}", FORMATS[0]))
+}
+
+/// What figure `k` of a study shows, in words.
+#[must_use]
+pub fn caption(plan: &Plan, k: usize) -> String {
+    let below = |cutoff: &Option<f64>| cutoff.map_or(String::new(), |cutoff| format!(" below {} Hz", short(cutoff)));
+    let at = |times: &[f64]| times.iter().map(|time| short(*time)).collect::<Vec<_>>().join(", ");
+    let surface = |of: &str| of.strip_prefix("surface:").map(|phase| format!("upper surface of {phase}"));
+    match &plan.study.figures[k] {
+        FigureSpec::Measure { of, over, .. } => {
+            let varied = plan.varied.iter().find(|varied| varied.path == *over).map(|varied| &varied.shown);
+            format!("{of} over {}", varied.filter(|shown| !shown.is_empty()).unwrap_or(over))
+        }
+        FigureSpec::Series { of, name, cutoff, .. } => {
+            format!("{}{} over time", name.as_ref().unwrap_or(of), below(cutoff))
+        }
+        FigureSpec::Surface { of, at } => format!("upper surface of {of} at {} s", short(*at)),
+        FigureSpec::Field { of, at: times, arrows, .. } => {
+            format!("{of}{} at {} s", if *arrows { " and mean velocities" } else { "" }, at(times))
+        }
+        FigureSpec::Profile { of, at: times, .. } => {
+            format!("{} at {} s", surface(of).unwrap_or_else(|| of.replace(':', " along ")), at(times))
+        }
+    }
 }
 
 /// A measure over a varied value.

@@ -4,8 +4,7 @@ use std::fmt::Write;
 use std::io;
 use std::path::Path;
 
-use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
-
+use super::figures::{FigureFile, figure_lines};
 use super::{Drawn, Finished, Plan, Source};
 use crate::error::UserError;
 use crate::figures::labelled;
@@ -147,7 +146,7 @@ fn curve(results: &Results, drawn: &Drawn) -> Result<Result<Vec<[f64; 2]>, Strin
         Drawn::Surface(phase, at) => {
             let Some(number) = results.nearest_frame(PARTICLES, *at) else { return Ok(Ok(Vec::new())) };
             let (frame, facts) = (results.frame(PARTICLES, number)?, &results.facts);
-            let surface = |frame| upper_surface(&frame, *phase, facts.dimension, facts.spacing);
+            let surface = |frame| upper_surface(&frame, *phase, facts.up, facts.spacing);
             frame.map_or_else(Vec::new, surface)
         }
     };
@@ -195,28 +194,6 @@ impl Asked<'_> {
         [name, short(self.range.0), short(self.range.1), seen, escaped(&(verdict + &by))]
     }
 }
-
-/// `figures`, files in `folder`, in Markdown.
-#[must_use]
-pub fn figure_lines(folder: &str, figures: &[String]) -> String {
-    let line = |figure: &String| {
-        let (name, path) = (figure.replace('_', " "), format!("{folder}{figure}"));
-        let link = utf8_percent_encode(&path, PLAIN);
-        format!("\n![{}]({link})\n", name.trim_end_matches(".png"))
-    };
-    figures.iter().map(line).collect()
-}
-
-/// What stands in a link of Markdown as it is: blanks and brackets would end it.
-const PLAIN: &AsciiSet = &NON_ALPHANUMERIC
-    .remove(b'/')
-    .remove(b'.')
-    .remove(b'_')
-    .remove(b'~')
-    .remove(b'=')
-    .remove(b',')
-    .remove(b'+')
-    .remove(b'-');
 
 /// A text in a cell of a table in Markdown.
 pub fn escaped(text: &str) -> String {
@@ -315,7 +292,7 @@ impl Table<'_> {
     ///
     /// # Errors
     /// It cannot be written.
-    pub fn write_markdown(&self, path: &Path, figures: &[String]) -> Result<(), UserError> {
+    pub fn write_markdown(&self, path: &Path, figures: &[FigureFile]) -> Result<(), UserError> {
         let text = self.markdown("#") + &figure_lines("", figures);
         replace(path, text.as_bytes()).map_err(|error| unwritable(path, &error))
     }
@@ -334,7 +311,7 @@ impl Table<'_> {
             let _ = write!(text, ", to t = {until} s");
         }
         let coarse = if study.is_coarse { " Coarse runs." } else { "" };
-        let _ = writeln!(text, ". Made by storegga {}.{coarse}\n", env!("CARGO_PKG_VERSION"));
+        let _ = writeln!(text, ". Made by storegga {}{}.{coarse}\n", env!("CARGO_PKG_VERSION"), self.builds());
         for (k, line) in self.lines().iter().enumerate() {
             let cells: Vec<String> = line.iter().map(|cell| escaped(cell)).collect();
             let _ = writeln!(text, "| {} |", cells.join(" | "));
@@ -352,6 +329,19 @@ impl Table<'_> {
             let _ = writeln!(text, "- `{name}`: {note}");
         }
         text
+    }
+
+    /// The builds of the program that made the runs, by their checksums.
+    fn builds(&self) -> String {
+        let of_row = |row: &Row| row.finished()?.record.as_ref()?.program;
+        let mut builds: Vec<String> = self.rows.iter().filter_map(of_row).map(|build| format!("{build:08x}")).collect();
+        builds.sort_unstable();
+        builds.dedup();
+        match builds.len() {
+            0 => String::new(),
+            1 => format!(", build {}", builds[0]),
+            _ => format!(", builds {}", builds.join(", ")),
+        }
     }
 
     /// What is asked of the last run, with the values of the last one that is done.
