@@ -120,22 +120,6 @@ pub(super) fn write<DB: DrawingBackend>(
 /// Pixels by which the middle of a line with room for accents and tails lies above that of its capitals and digits.
 const SINK: i32 = 3;
 
-/// Writes `text` on a white ground, its upper left corner at a pixel.
-pub(super) fn write_on_white<DB: DrawingBackend>(
-    area: &DrawingArea<DB, Shift>,
-    text: &str,
-    at: (i32, i32),
-) -> DrawResult {
-    if text.is_empty() {
-        return Ok(());
-    }
-    let style = (FONT, LETTERS).into_font().into_text_style(area);
-    let (width, height) = area.estimate_text_size(text, &style).map_err(words)?;
-    let corner = (at.0 + width as i32 + 16, at.1 + height as i32 + 14);
-    area.draw(&Rectangle::new([at, corner], WHITE.filled())).map_err(words)?;
-    write(area, text, (at.0 + 8, at.1 + 6), (HPos::Left, VPos::Top))
-}
-
 /// Writes `text` upwards, its middle at a pixel.
 pub(super) fn write_upwards<DB: DrawingBackend>(
     area: &DrawingArea<DB, Shift>,

@@ -4,7 +4,7 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 
-use super::axes::{Axes, BOTTOM, LEFT, TOP, write, write_on_white, write_title, write_upwards};
+use super::axes::{Axes, BOTTOM, LEFT, TOP, write, write_title, write_upwards};
 use super::style::{AXIS, BODY, LETTER, WIDTH, colour};
 use super::ticks::{tick_label, ticks};
 use super::{ColourMap, DrawResult, Figure, words};
@@ -71,8 +71,8 @@ pub struct FieldFigure {
 
 /// Pixels to the right of the panels, for the bar of colours.
 const RIGHT: i32 = 240;
-/// Pixels between two panels.
-const GAP: i32 = 26;
+/// Pixels above each panel, for its label.
+const ABOVE: i32 = 52;
 /// Most pixels of all panels together: two thirds of a page.
 const MOST_HEIGHT: f64 = 2100.0;
 /// Particles are drawn so many spacings wide: where they lie apart, what is between them shall not shine through.
@@ -143,26 +143,7 @@ impl FieldFigure {
                 draw_arrow(area, axes.pixel(*place), axes.pixel(tip))?;
             }
         }
-        write_on_white(area, &panel.label, self.empty_corner(axes))
-    }
-
-    /// Where the labels of panels hide the least: near the corner that has the fewest particles.
-    fn empty_corner(&self, axes: &Axes) -> (i32, i32) {
-        let letters = self.panels.iter().map(|panel| panel.label.chars().count()).max().unwrap_or(0);
-        let label = (LETTER * letters as i32 + 16, 46);
-        let [left, top, width, height] = axes.rectangle;
-        // A label that is wider than the panel begins at its left.
-        let (right, bottom) = ((left + width - label.0).max(left + 24), top + height - label.1);
-        let corners =
-            [(left + 12, top + 12), (right - 12, top + 12), (left + 12, bottom - 12), (right - 12, bottom - 12)];
-        let hidden = |corner: &(i32, i32)| {
-            let places = self.panels.iter().flat_map(|panel| panel.places.iter().chain(&panel.bodies));
-            let is_hidden = |(x, y): (i32, i32)| {
-                (corner.0..corner.0 + label.0).contains(&x) && (corner.1..corner.1 + label.1).contains(&y)
-            };
-            places.filter(|place| is_hidden(axes.pixel(**place))).count()
-        };
-        corners.into_iter().min_by_key(hidden).unwrap_or(corners[0])
+        write(area, &panel.label, (left, top - 8), (HPos::Left, VPos::Bottom))
     }
 
     /// The bar of colours or the names of phases, and the measure of the arrows.
@@ -193,14 +174,14 @@ impl Figure for FieldFigure {
     fn size(&self) -> (u32, u32) {
         let (width, height) = self.panel();
         let panels = self.panels.len().max(1) as i32;
-        ((LEFT + width + RIGHT) as u32, (TOP + panels * (height + GAP) - GAP + BOTTOM) as u32)
+        ((LEFT + width + RIGHT) as u32, (TOP + panels * (height + ABOVE) + BOTTOM) as u32)
     }
 
     fn draw<DB: DrawingBackend>(&self, area: &DrawingArea<DB, Shift>) -> DrawResult {
         let (width, height) = self.panel();
         write_title(area, &self.title, LEFT + width / 2)?;
         let axes = |k: usize| Axes {
-            rectangle: [LEFT, TOP + k as i32 * (height + GAP), width, height],
+            rectangle: [LEFT, TOP + ABOVE + k as i32 * (height + ABOVE), width, height],
             x: self.bounds[0],
             y: self.bounds[1],
             is_log: false,
@@ -210,7 +191,7 @@ impl Figure for FieldFigure {
             self.draw_panel(panel, &axes(k), area)?;
             axes(k).draw(area, (k == last).then_some(self.axes[0].as_str()), &self.axes[1], false)?;
         }
-        let all = (last as i32 + 1) * (height + GAP) - GAP;
+        let all = (last as i32 + 1) * (height + ABOVE) - ABOVE;
         let arrows = if self.arrows.is_some() { 40 } else { 0 };
         self.draw_legend(&axes(0), (all - arrows).clamp(60, 800), area)
     }
