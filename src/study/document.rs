@@ -134,6 +134,9 @@ pub enum FigureSpec {
         /// What it is multiplied by, as in a measure.
         #[serde(default)]
         scale: Option<Scale>,
+        /// First and last time (s) that are drawn; by default all.
+        #[serde(default)]
+        window: Option<(f64, f64)>,
         /// Measurements beside them.
         #[serde(default)]
         beside: Vec<Beside>,
@@ -293,6 +296,11 @@ impl Study {
     }
 
     fn check_figure(&self, figure: &FigureSpec) -> Result<(), Invalid> {
+        if let FigureSpec::Series { window: Some((from, to)), .. } = figure
+            && from >= to
+        {
+            return Err(Invalid::new("window", "the first time comes first"));
+        }
         let FigureSpec::Measure { of, over, by, .. } = figure else { return Ok(()) };
         let mut measures = self.measures.iter().map(|measure| measure.name.as_str());
         if !measures.clone().any(|name| name == of) {

@@ -85,6 +85,10 @@ pub fn write_figures(plan: &Plan, rows: &[Row], folder: &Path) -> Result<Vec<(us
             figure.curves.iter_mut().filter(|curve| curve.name.is_empty()).for_each(|curve| curve.name.clone_from(of));
         }
         figure.curves.extend(spec.beside().iter().map(|beside| beside.curve(usually_line)));
+        if let FigureSpec::Series { window: Some((from, to)), .. } = spec {
+            let is_shown = |point: &[f64; 2]| (*from..=*to).contains(&point[0]);
+            figure.curves.iter_mut().for_each(|curve| curve.points.retain(is_shown));
+        }
         names.push((k, write_figure(k, &name, &figure, folder)?));
     }
     Ok(names)

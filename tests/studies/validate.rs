@@ -44,11 +44,11 @@ fn r_squared_is_one_beside_itself_and_less_beside_others() {
         (name: "even", of: "energy.mass", take: Min, cutoff: 10.0),
         (name: "weight", of: "energy.mass", scale: (by: -9.81, unit: "N"), take: Max),"#;
     let beside = r#"
-        Series(of: "energy.kinetic", name: "energy of motion", cutoff: 50.0, beside: [(file: "measured.csv", x: "time", y: "kinetic", name: "measured")]),
+        Series(of: "energy.kinetic", name: "energy of motion", cutoff: 50.0, window: (0.01, 0.04), beside: [(file: "measured.csv", x: "time", y: "kinetic", name: "measured")]),
         Measure(of: "fit", over: "greatest kinetic energy", logarithmic: true),
         Field(of: "pressure", at: [0.02, 0.05], arrows: true, runs: 2),
         Profile(of: "pressure:x=0.1", at: [0.05]),"#;
-    folder.write("study.ron", with(against, &beside.replace(", cutoff: 50.0", "")));
+    folder.write("study.ron", with(against, &beside.replace(", cutoff: 50.0, window: (0.01, 0.04)", "")));
     folder.study(&[]).ended_with(0);
     let figure = || fs::read_to_string(folder.path("runs/study/figure_1_energy.kinetic.svg")).unwrap();
     let raw_figure = figure();
@@ -69,6 +69,9 @@ fn r_squared_is_one_beside_itself_and_less_beside_others() {
     assert!((shifted - 1.0).abs() < 1e-9, "{shifted}");
     assert!(figure().contains("energy of motion below 50 Hz (J)"));
     assert!(lines(&figure())[0] != lines(&raw_figure)[0]);
+    // The axis of time ends with the window, the measured curve too.
+    let ticks = |figure: &str| ["0.04", "0.05"].map(|tick| figure.lines().any(|line| line.trim() == tick));
+    assert_eq!((ticks(&raw_figure), ticks(&figure())), ([true, true], [true, false]));
     let page = fs::read_to_string(folder.path("runs/study/table.md")).unwrap();
     assert_parts(&page, &["| thickness (Pa s) | fluid particles |"]);
     // The two spacings are not named, and yet have a curve each.
@@ -190,6 +193,7 @@ fn mistakes_are_named_in_their_place() {
             "",
             "must be a number other than 0, got 0",
         ),
+        ("window", "", r#"Series(of: "energy.mass", window: (0.04, 0.01)),"#, "the first time comes first"),
         ("runs", "", r#"Field(of: "pressure", at: [0.05], runs: 0),"#, "a whole number other than zero"),
         (
             "cutoff",
