@@ -3,7 +3,7 @@
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 
-use super::Motion;
+use super::{InverseMotion, Motion};
 use crate::neighbours::PeriodicSides;
 use crate::particles::{BodyIndex, Position, RestPosition, Slip, Volume};
 use crate::scene::geometry::Shape;
@@ -47,6 +47,13 @@ impl BodyShape {
             return own;
         }
         sides.images_of(position).map(|image| self.clearance(image)).fold(own, f64::min)
+    }
+
+    /// The same from the body where it has moved to; `moved` is the way back, nothing for a body at rest.
+    #[must_use]
+    pub fn clearance_moved(&self, sides: &PeriodicSides, moved: Option<&InverseMotion>, position: DVec3) -> f64 {
+        let at_rest = moved.map_or(position, |moved| sides.wrap(moved.rest_of(position)));
+        self.clearance_through(sides, at_rest)
     }
 }
 

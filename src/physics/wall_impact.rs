@@ -143,8 +143,8 @@ impl Depth<'_, '_> {
     /// d (m) of a particle at `x`: how far it is behind the surface of a wall or structure; nothing in front of all or deeper than a spacing.
     fn of(&self, x: DVec3) -> f64 {
         let depths = self.bodies.iter().map(|(body, motion)| {
-            let at_rest = motion.at(self.clock.time).map_or(x, |now| self.periodic.wrap(now.inverse().rest_of(x)));
-            -body.clearance_through(&self.periodic, at_rest)
+            let moved = motion.at(self.clock.time).map(|now| now.inverse());
+            -body.clearance_moved(&self.periodic, moved.as_ref(), x)
         });
         depths.filter(|depth| *depth <= self.resolution.spacing).fold(0.0, f64::max)
     }

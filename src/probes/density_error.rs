@@ -54,10 +54,6 @@ impl Probe for DensityError {
         let (mut greatest, mut sum, mut lost, mut inside): (f64, f64, u32, u32) = (0.0, 0.0, 0, 0);
         self.moved.clear();
         self.moved.extend(self.bodies.iter().map(|(_, motion)| motion.at(state.clock.time).map(|now| now.inverse())));
-        let clearance = |body: &BodyShape, moved: &Option<InverseMotion>, x: DVec3| {
-            let at_rest = moved.map_or(x, |moved| state.periodic.wrap(moved.rest_of(x)));
-            body.clearance_through(state.periodic, at_rest)
-        };
         let depth = DEPTH * state.resolution.spacing;
         for i in fluid.rows() {
             let compression = fluid.density[i].0 / fluid.reference_density[i].0 - 1.0;
@@ -66,7 +62,10 @@ impl Probe for DensityError {
             let x = state.periodic.wrap(fluid.position[i].0);
             lost += u32::from((x.clamp(self.bounds.0, self.bounds.1) - x).abs().max_element() > depth);
             let mut bodies = self.bodies.iter().zip(&self.moved);
-            inside += u32::from(bodies.any(|((body, _), moved)| clearance(body, moved, x) < -depth));
+            let is_in = |body: &BodyShape, moved: &Option<InverseMotion>| {
+                body.clearance_moved(state.periodic, moved.as_ref(), x) < -depth
+            };
+            inside += u32::from(bodies.any(|((body, _), moved)| is_in(body, moved)));
         }
         let rms = (sum / fluid.rows().len() as f64).sqrt();
         row.copy_from_slice(&[greatest, rms, f64::from(lost), f64::from(inside)]);
