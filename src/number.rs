@@ -9,7 +9,10 @@ pub(crate) fn plain(value: f64) -> String {
 /// A number with four significant digits, in the notation that is easier to read.
 pub(crate) fn short(value: f64) -> String {
     let size = value.abs();
-    if value == 0.0 || !value.is_finite() {
+    if value == 0.0 {
+        return "0".to_owned(); // -0, too
+    }
+    if !value.is_finite() {
         return value.to_string();
     }
     if !(1e-3..1e6).contains(&size) {
@@ -79,6 +82,7 @@ mod tests {
     fn numbers_keep_four_digits() {
         for (value, shown) in [
             (0.0, "0"),
+            (-0.0, "0"),
             (1.5, "1.5"),
             (0.004, "0.004"),
             (12_345.678, "12346"),
