@@ -10,7 +10,7 @@ use super::sums::Kind;
 use crate::probes::{Probe, SeriesField, State};
 
 /// Books of energy, momentum and mass: energies, works and impulses since the start, and what is left (`residual`,
-/// `relative_residual`, `momentum_residual`). The page `docs/books.md` has every field; it makes a step about a quarter longer.
+/// `relative_residual`, `momentum_residual`). The page `docs/books.md` has every field; it makes a step a quarter to a third longer.
 #[derive(Component, Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Books {

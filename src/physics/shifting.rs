@@ -7,8 +7,8 @@
 //! [books](crate::books).
 //!
 //! **At the free surface** C falls off since nothing is there, and the whole of ∇C would drive the surface apart. Particles with
-//! `φ_i < ¾` are at the surface (Lee et al. 2008, J. Comput. Phys. 227: ∇·r < 1.5 in the plane). For them and for those of which they
-//! make more than a hundredth of φ, the part of δr_i along the normal `n ∝ Σ_j V_j (φ_j − φ_i) ∇_iW_ij` is left out, as Lind et al. do;
+//! `φ_i < ¾` are at the surface (Lee et al. 2008, J. Comput. Phys. 227: ∇·r < 1.5 in the plane). For them and for those of whose φ they
+//! make more than 0.01, the part of δr_i along the normal `n ∝ Σ_j V_j (φ_j − φ_i) ∇_iW_ij` is left out, as Lind et al. do;
 //! where a neighbourhood is less than half full (spray) there is no shift. φ is that of [`free_surface`](super::free_surface), φ_j that
 //! of the step before.
 //!

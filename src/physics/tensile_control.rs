@@ -10,7 +10,7 @@
 //! adds to the acceleration what is wanting, of either average of the pressures: that of `−2 p_i` and 0.
 //!
 //! **At the free surface** `Σ_j V_j ∇_iW_ij` is not small, and the sum of Eq. 6 stays. A particle is at it if `φ_i < ¾`, and near it if particles with
-//! `φ_j < ¾` make more than a hundredth of its φ, as for [shifting](super::shift_particles).
+//! `φ_j < ¾` make more than 0.01 of its φ (which is 1 in the bulk), as for [shifting](super::shift_particles).
 //!
 //! The price: these forces are not antisymmetric, so momentum is not kept to round-off where they act. The [books](crate::books) enter
 //! their work as `tensile`, and their impulse with that of the body forces.
