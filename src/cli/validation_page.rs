@@ -122,7 +122,7 @@ impl Section {
 fn written(sections: &[(String, Section)], folder: &str) -> String {
     let mut text = "# Validation\n\nWritten by `storegga validate`: tables and figures are what the runs gave, and the words above them are those of the \
          study files. Each section is a study, and can be run alone (`storegga validate FILE --page …`). `took` is real time, on the threads that a run had and beside whatever else \
-         went on.\n\n\
+         went on; `build` is the checksum of the program that made the runs.\n\n\
          | case | asked of the last run that is done | at least | at most | seen | |\n|---|---|---|---|---|---|\n"
         .to_owned();
     for (_, section) in sections {
