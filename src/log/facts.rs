@@ -11,7 +11,7 @@ use crate::particles::{Fluid, Solid, Wall};
 use crate::phases::phases;
 use crate::physics::{
     AT_SURFACE, BEHIND, CLEAR_FILLING, EquationOfState, GREATEST_COMPRESSION, LEAST_DETERMINANT, LEAST_FILLING,
-    LEAST_RATIO, LONGEST_SHIFT, NEAR_SURFACE, fullness_in_front,
+    LEAST_RATIO, LONGEST_SHIFT, NEAR_SURFACE, PUSHED, fullness_in_front,
 };
 use crate::probes::{CLUMPED, DEPTH, DRY, FULL, LEAST_SHARE, RIM};
 use crate::scene::{Resolution, SceneInfo, WALL_CLEARANCE};
@@ -106,6 +106,7 @@ pub fn fixed_numbers(world: &World) -> Vec<Fact> {
         ("wall_impact.phi_0", "", phi_0),
         ("wall_impact.phi_1", "", phi_1),
         ("wall_impact.behind", "spacings", BEHIND),
+        ("wall_impact.pushed", "spacings", PUSHED),
         ("strain_rate.least_determinant", "", LEAST_DETERMINANT),
         ("diffusion.antuono.least_ratio", "", LEAST_RATIO),
         ("probes.pressure_point.dry_beyond", "spacings", DRY),

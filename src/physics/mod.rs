@@ -56,4 +56,4 @@ pub(crate) use momentum::{
 pub(crate) use near_ghosts::NearGhosts;
 pub(crate) use shifting::{AT_SURFACE, LONGEST_SHIFT, NEAR_SURFACE};
 pub(crate) use strain_rate::LEAST_DETERMINANT;
-pub(crate) use wall_impact::{BEHIND, fullness_in_front};
+pub(crate) use wall_impact::{BEHIND, PUSHED, fullness_in_front};
