@@ -18,6 +18,10 @@ const ROD: &str = "Circle(center: (0.2, 0.525), radius: 0.0625)";
 const ROD_3D: &str = "Cylinder(center: (0.2, 0.525, 0.5), axis: Z, radius: 0.0625, length: 0.6)";
 const SQUARE: &str = "Box(min: (0.15, 0.475), max: (0.25, 0.575))";
 
+fn rod(dimension: usize) -> &'static str {
+    if dimension == 3 { ROD_3D } else { ROD }
+}
+
 /// A single particle of fluid in a tank with a body, without gravity.
 fn single(dimension: usize, motion: &str, body: &str) -> App {
     let third = |value: &str| if dimension == 3 { format!(", {value}") } else { String::new() };
@@ -63,12 +67,7 @@ fn what_rests_in_a_body_comes_out_gently() {
                 (DVec3::new(0.2, 0.525 + 0.0625 - depth * SPACING, z), DVec3::Y),
             ];
             for (start, out) in places {
-                let way = fly(
-                    &mut single(dimension, "Still", if dimension == 3 { ROD_3D } else { ROD }),
-                    start,
-                    DVec3::ZERO,
-                    0.05,
-                );
+                let way = fly(&mut single(dimension, "Still", rod(dimension)), start, DVec3::ZERO, 0.05);
                 let (x, v) = way[way.len() - 1];
                 let told = format!("{dimension}D, {depth} spacings deep at {start}: at {x} with {v} m/s");
                 assert!((x - start).dot(out) > (depth - 0.4) * SPACING, "{told}");
@@ -99,7 +98,7 @@ fn what_hits_a_wall_stays_out_of_it() {
         [(2, "Still", 0.0), (3, "Still", 0.0), (2, "Translation(velocity: (0.0, 0.5))", 0.5)]
     {
         let start = DVec3::new(0.525, 0.15, if dimension == 3 { 0.525 } else { 0.0 });
-        let way = fly(&mut single(dimension, motion, if dimension == 3 { ROD_3D } else { ROD }), start, -DVec3::Y, 0.4);
+        let way = fly(&mut single(dimension, motion, rod(dimension)), start, -DVec3::Y, 0.4);
         let steps = way.len() as f64;
         let clearances = way.iter().enumerate().map(|(k, (x, _))| x.y - wall * 0.4 * (k as f64 + 1.0) / steps);
         let least = clearances.fold(f64::INFINITY, f64::min);
